@@ -84,6 +84,41 @@ public:
         if constexpr (has_loads) loads.remove(b, bodies);
         if constexpr (has_wrenches) wrenches.forget(b);
         if constexpr (has_joints) joints.remove_from(b, bodies);
+        keep_joint_springs();
+    }
+    // Adds a joint that has no fault; returns its place.
+    template <class Spec>
+    int add(const Spec& spec) requires(has_joints&& JointSpec<Spec>) {
+        const int place = joints.add(spec, bodies);
+        if constexpr (features.has_joint_springs()) {
+            using Springs = typename Loads::JointSpringsOfWorld;
+            using Kind = JointKinds::Of<Spec>;
+            constexpr auto along = Kind::slides == 1   ? Springs::Along::slide
+                                   : Kind::slides == 2 ? Springs::Along::line
+                                   : Kind::turns == 3  ? Springs::Along::whole_turn
+                                   : Kind::turns == 2  ? Springs::Along::turns
+                                                       : Springs::Along::turn;
+            typename Springs::Side side[2];
+            typename N::PositionSum anchor[3];
+            const auto& record = joints.record(place);
+            for (int i = 0; i < 2; ++i) {
+                const auto& from = record.side[i];
+                side[i].body = from.body;
+                for (int k = 0; k < 3; ++k)
+                    side[i].arm[k] = N::times_power_of_two(N::work(from.arm[k]), N::fixed_point ? from.arm_log2 : 0);
+                for (int k = 0; k < 2; ++k) side[i].axis[k] = work_unit<N>(from.axis[k]);
+            }
+            for (int i = 0; i < 3; ++i) anchor[i] = N::sum(record.anchor[i]);
+            loads.joint_springs().set(place, along, side, anchor,
+                                      {detail::spring_of(spec, 0), detail::spring_of(spec, 1)}, bodies);
+            disturb();
+        }
+        return place;
+    }
+    void remove_joint(int place) requires has_joints {
+        joints.remove(place, bodies);
+        keep_joint_springs();
+        disturb();
     }
     // Adds a spring; false when there is no room.
     constexpr bool add(const SpringSpec& spec) requires(features.springs > 0) {
@@ -108,6 +143,7 @@ public:
         if constexpr (!has_wrenches)
             for (const DriftSum& fall : gravity_) digest.add_number(fall);
         if constexpr (has_joints) joints.add_to(digest);
+        if constexpr (features.has_joint_springs()) loads.joint_springs().add_to(digest);
     }
     // Call after every change of what loads depend on, unless a step made it. It voids the kicks that were kept.
     TUMBLE_INLINE constexpr void disturb() {
@@ -266,8 +302,12 @@ public:
             BodyGroup group;
             bool is_apart = true;
             for (int i = tree.first; i < tree.last; ++i) {
-                group.add(joints.nodes()[i].body);
-                is_apart = is_apart && !is_coupled(joints.nodes()[i].body);
+                const int b = joints.nodes()[i].body;
+                group.add(b);
+                if constexpr (may_couple)
+                    loads.for_each_coupled(bodies, b, [&](int other) {
+                        is_apart = is_apart && (bodies.constants[other].fixed() || joints.is_in(tree, other));
+                    });
             }
             if (is_apart) {
                 hold(typename Hold::Trees{t}, group, info);
@@ -366,6 +406,30 @@ public:
     }
 
 private:
+    void keep_joint_springs() {
+        if constexpr (features.has_joint_springs())
+            loads.joint_springs().keep([&](int j) { return joints.record(j).is_there; }, bodies);
+    }
+    // Reports a step that is surely too long for a spring of a joint: with the inertia of what hangs on it along its
+    // free direction as if the other side stood still, which is more than the motion has. The factor must be that of
+    // now.
+    [[gnu::noinline, gnu::cold]] void check_springs(JointTreeState& tree) requires(features.has_joint_springs()) {
+        tree.is_new = false;
+        for (int i = tree.first; i < tree.last; ++i) {
+            const auto& node = joints.nodes()[i];
+            if (node.joint < 0) continue;
+            for (int k = 0; k < 2; ++k) {
+                const Work stiffness = loads.joint_springs().stiffness(node.joint, k) * seconds_of_step(),
+                           damping = loads.joint_springs().damping(node.joint, k);
+                if (!(stiffness > Work(0)) && !(damping > Work(0))) continue;
+                const Work inertia = joints.inertia_along(node, k) / seconds_of_step();
+                for (int s = 0; s < StepBounds::sums; ++s)
+                    if (inertia < spring_bounds.of_spring[s] * stiffness + spring_bounds.of_damper[s] * damping)
+                        bodies.report(Issue::step_too_long, node.body);
+            }
+        }
+    }
+    [[nodiscard]] Work seconds_of_step() const { return N::template constant<Work>(bodies.step_length); }
     // Adds a body, and all moving bodies that loads couple to it, directly or through others.
     void add_coupled(bool (&to)[features.bodies], int b) const requires(has_joints&& may_couple) {
         if (to[b]) return;
@@ -619,6 +683,9 @@ private:
             portion(group, info, halvings == 0 ? Portion{} : Portion{false, Hold::length_of_part(halvings)});
         };
         Hold{joints, bodies, trees}.step(group, fly, [&](int b) { spin_changed(b); });
+        if constexpr (features.has_joint_springs())
+            for (int t = 0; t < trees.count; ++t)
+                if (JointTreeState& tree = joints.tree(trees.tree[t]); tree.is_new) check_springs(tree);
         check_range(group);
     }
 

@@ -18,6 +18,7 @@ struct Features {
     int springs = 0;                  // room for springs
     int joints = 0;                   // room for joints; needs rotation; jointed bodies touch nothing yet
     bool distances = false;           // joints may keep a distance: DistanceSpec
+    bool joint_springs = false;       // joints may have springs and dampers: JointSpring
     int near_pairs = 0;               // room for pairs that are near each other at one time; 0: the usual room
     bool rotation = true;             // bodies rotate; if false, all of them are point masses
     bool point_masses = false;        // some bodies may be point masses, which do not rotate
@@ -62,6 +63,7 @@ struct Features {
         f("springs", &Features::springs);
         f("joints", &Features::joints);
         f("distances", &Features::distances);
+        f("joint_springs", &Features::joint_springs);
         f("near_pairs", &Features::near_pairs);
         f("rotation", &Features::rotation);
         f("point_masses", &Features::point_masses);
@@ -132,10 +134,12 @@ struct Features {
     [[nodiscard]] constexpr bool grid() const { return contacts() && pairs && bodies > 64; }
     // True if joints may tie bodies.
     [[nodiscard]] constexpr bool has_joints() const { return bodies > 0 && joints > 0; }
+    // True if joints may have springs.
+    [[nodiscard]] constexpr bool has_joint_springs() const { return has_joints() && joint_springs; }
     // True if anything other than gravity may push bodies.
     [[nodiscard]] constexpr bool loads() const {
-        return bodies > 0 &&
-               (drag || gravitation || air || gravity_gradient || wheels || forces || springs > 0 || springs_touch());
+        return bodies > 0 && (drag || gravitation || air || gravity_gradient || wheels || forces || springs > 0 ||
+                              springs_touch() || has_joint_springs());
     }
     // Every pair of a body with a plane, and with another body where these may touch.
     [[nodiscard]] constexpr int all_pairs() const { return bodies * planes + (pairs ? bodies * (bodies - 1) / 2 : 0); }

@@ -174,7 +174,9 @@ public:
             advance_.bodies.report(Issue::world_full, spec.body);
             return {};
         }
-        const int place = advance_.joints.add(spec, advance_.bodies);
+        TUMBLE_ASSERT(features.joint_springs || !detail::spring_of(spec, 0).acts());
+        TUMBLE_ASSERT(features.joint_springs || !detail::spring_of(spec, 1).acts());
+        const int place = advance_.add(spec);
         if constexpr (has_contacts)
             for (const int b : {static_cast<int>(spec.body), static_cast<int>(spec.to_body)})
                 if (b >= 0) disturb(b);
@@ -334,7 +336,7 @@ public:
         static_assert(features.removal, "remove() needs .removal = true among the scene's features");
         refuse_to_record();
         TUMBLE_ASSERT(contains(id));
-        advance_.joints.remove(id.index(), advance_.bodies);
+        advance_.remove_joint(id.index());
     }
     // True of a joint that has been added and not been removed. It goes with either of its bodies.
     [[nodiscard]] bool contains(JointId id) const requires(features.has_joints()) {

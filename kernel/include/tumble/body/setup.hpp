@@ -82,6 +82,17 @@ struct SpringSpec {
     Real rest_length = 0;    // m
 };
 
+// A spring and a damper along a free direction of a joint: a torque or a force -stiffness (x - rest) - damping (rate of
+// x), with the angle, the travel or the length x.
+struct JointSpring {
+    Real stiffness = 0;  // N m/rad about an axis, N/m along one; not negative
+    Real damping = 0;    // N m s/rad, N s/m; not negative
+    Real rest = 0;       // rad or m from where the joint is added, an angle within half a turn; of a distance a length
+
+    // True where it does anything.
+    [[nodiscard]] constexpr bool acts() const { return !stiffness.is_zero() || !damping.is_zero(); }
+};
+
 // An instantaneous change of momentum before the step that begins at `time`, which is rounded to the nearest step.
 struct ImpulseSpec {
     Real time = 0;               // s

@@ -41,6 +41,7 @@ struct JointTreeState {
     bool is_factored = false;          // the factor is that of the present poses
     bool is_disturbed = false;         // something other than a step has changed a velocity
     bool is_moved = false;             // something other than a step has changed a pose
+    bool is_new = true;                // no step has looked whether its springs are too stiff
     std::int8_t corrections = 0;       // of the last step
     std::int8_t open_bits = 0;         // of the targets of a solution, in fixed point
     std::int8_t halvings = 0;          // of the next step, which is flown in 2^halvings parts; kicks are of one
@@ -78,6 +79,9 @@ public:
         if (is_base(bodies, a) && is_base(bodies, b)) return JointFault::no_moving_body;
         if (!bodies.rotates(a) || (b >= 0 && !bodies.rotates(b))) return JointFault::point_mass;
         if (const JointFault fault = JointKinds::Of<Spec>::fault_of(spec); fault != JointFault::none) return fault;
+        if (const JointFault fault = detail::fault_of_springs(spec, JointKinds::turns_of_springs<Spec>);
+            fault != JointFault::none)
+            return fault;
         if (is_far(bodies, a, detail::anchor_of(spec, 0)) || is_far(bodies, b, detail::anchor_of(spec, 1)))
             return JointFault::too_far;
         if constexpr (N::fixed_point && requires { spec.most; })
@@ -142,6 +146,35 @@ public:
         bool any = false;
         for (int t = 0; t < tree_count_; ++t) any = any || node_[tree_[t].first].base == b;
         return any;
+    }
+    [[nodiscard]] bool has(const JointTreeState& tree, int b) const { return has(tree, node_, b); }
+    [[nodiscard]] bool is_in(const JointTreeState& tree, int b) const { return has(tree, b); }
+    // kg m^2 or kg: the inertia of what hangs on a node along the free direction of its spring k, with the other side
+    // at rest, as the factor has it. Of a ball the least of those of its three directions. Of a distance that is held,
+    // none is free: a spring moves nothing.
+    [[nodiscard]] typename N::Work inertia_along(const Node& node, int k) const {
+        using Work = typename N::Work;
+        const bool of_line = node.keeps_distance();
+        const int count = of_line           ? 1
+                          : node.turns == 3 ? 3
+                                            : 1,
+                  first = of_line           ? 5
+                          : node.turns == 3 ? node.slides
+                                            : k;
+        Work least(0);
+        for (int f = first; f < first + count; ++f) {
+            const FreeDirection<N>& direction = direction_[node.direction + f];
+            const auto& along = direction.turns ? direction.t : direction.u;
+            Work root(0);  // D over its root
+            for (int i = 0; i < 3; ++i) {
+                if (direction.only >= 0 && direction.only != i) continue;
+                root += direction.only >= 0 ? N::work(along[i]) : N::work(along[i]) * N::work(direction.axis[i]);
+            }
+            const int log2 = node.mass_log2 + (direction.turns ? 2 * node.length_log2 : 0);
+            const Work inertia = N::times_power_of_two(Work(root * root), N::fixed_point ? log2 : 0);
+            if (f == first || inertia < least) least = inertia;
+        }
+        return least;
     }
     [[nodiscard]] int tree_count() const { return tree_count_; }
     [[nodiscard]] JointTreeState& tree(int t) { return tree_[t]; }
@@ -286,7 +319,6 @@ private:
             if (nodes[i].body == b) return true;
         return false;
     }
-    [[nodiscard]] bool has(const JointTreeState& tree, int b) const { return has(tree, node_, b); }
     [[nodiscard]] const JointTreeState* tree_of(int b) const {
         for (int t = 0; t < tree_count_; ++t)
             if (has(tree_[t], b)) return &tree_[t];

@@ -13,12 +13,14 @@ struct HingeSpec {
     BodyIndex to_body = -1;  // the other body; -1: the world
     RealVec3 anchor{};       // m, world; a point of the axis
     RealVec3 axis{0, 0, 1};  // world, from `to_body` to `body`; of any length but zero
+    JointSpring spring{};    // about the axis; needs Features::joint_springs, as all springs of joints
 };
 // All rotations about a point: a shoulder, a link of a chain.
 struct BallSpec {
     BodyIndex body = 0;      // its id, or its number in the order of add()
     BodyIndex to_body = -1;  // the other body; -1: the world
     RealVec3 anchor{};       // m, world
+    JointSpring spring{};    // against the whole turn; it rests where the joint is added
 };
 // No motion: two bodies become one, and the force between them can be read.
 struct FixedSpec {
@@ -32,6 +34,7 @@ struct SliderSpec {
     BodyIndex to_body = -1;  // the other body; -1: the world
     RealVec3 anchor{};       // m, world; the point of `body` that stays on the axis
     RealVec3 axis{1, 0, 0};  // world; of any length but zero; travel along it is positive
+    JointSpring spring{};    // along the axis
 };
 // Rotations about two axes that stay perpendicular, one of each body: a cardan joint.
 struct UniversalSpec {
@@ -40,6 +43,8 @@ struct UniversalSpec {
     RealVec3 anchor{};          // m, world; the point where the axes meet
     RealVec3 axis{1, 0, 0};     // world; fixed in `body`; of any length but zero
     RealVec3 to_axis{0, 1, 0};  // world; fixed in `to_body`; perpendicular to `axis` to 2^-10 rad
+    JointSpring spring{};       // about `axis`
+    JointSpring to_spring{};    // about `to_axis`
 };
 // A distance of two points within a range. A rod has least == most, a rope has least == 0: it pulls where it is taut,
 // and does nothing while it is slack. Going taut ends the rate of the distance, as an impact without restitution does.
@@ -51,6 +56,7 @@ struct DistanceSpec {
     RealVec3 to_point{};     // m, world; of `to_body`
     Real least = 0;          // m, not negative, at most `most`
     Real most = 0;           // m, positive; the points are in the range when the joint is added, to 2^-20 of it
+    JointSpring spring{};    // along the line between the points
 };
 
 // Why a joint cannot be added: World::fault_of(). With the last two add() returns the id of nothing. The others are
@@ -65,12 +71,12 @@ enum class JointFault : std::uint8_t {
     axes_not_perpendicular,  // of a universal joint
     empty_range,             // of a distance: least is negative or above most, or most is not positive
     outside_range,           // the points of a distance are nearer than least or farther than most
-    too_far,  // fixed point: a distance of more than 4096 m, or an anchor more than 4096 m from the centre of mass of a
-              // body
-    moving_base,  // a fixed side that moves by itself: a kinematic body, or a turntable
-    in_a_layer,   // it has a shape in a layer, or a load couples it to such a body: it would touch others
-    closes_loop,  // a chain of joints ties the two sides already, two bodies perhaps by another joint
-    no_room,      // Features::joints are there already
+    bad_spring,              // a negative stiffness or damping, or a rest that the angle or the length never has
+    too_far,                 // fixed point: an anchor, or a distance, of more than 4096 m from a centre of mass
+    moving_base,             // a fixed side that moves by itself: a kinematic body, or a turntable
+    in_a_layer,              // it has a shape in a layer, or a load couples it to such a body: it would touch others
+    closes_loop,             // a chain of joints ties the two sides already, two bodies perhaps by another joint
+    no_room,                 // Features::joints are there already
 };
 
 // The name of a fault: closes_loop.
@@ -85,6 +91,7 @@ enum class JointFault : std::uint8_t {
     case JointFault::axes_not_perpendicular: return "axes_not_perpendicular";
     case JointFault::empty_range: return "empty_range";
     case JointFault::outside_range: return "outside_range";
+    case JointFault::bad_spring: return "bad_spring";
     case JointFault::too_far: return "too_far";
     case JointFault::moving_base: return "moving_base";
     case JointFault::in_a_layer: return "in_a_layer";
@@ -99,6 +106,25 @@ enum class JointFault : std::uint8_t {
 
 namespace detail {
 
+// The first and the second spring of a joint, as far as its kind has them.
+[[nodiscard]] constexpr JointSpring spring_of(const auto& spec, int i) {
+    if constexpr (requires { spec.to_spring; }) return i == 0 ? spec.spring : spec.to_spring;
+    else if constexpr (requires { spec.spring; }) return i == 0 ? spec.spring : JointSpring{};
+    else return {};
+}
+// What is wrong with the springs of a joint. `turns`: about axes, of which the angle is in (-pi, pi].
+TUMBLE_COLD [[nodiscard]] constexpr JointFault fault_of_springs(const auto& spec, int turns) {
+    const Real half_turn = Real::scaled(0x3243f6a8885a308d, -60);
+    for (int i = 0; i < 2; ++i) {
+        const JointSpring spring = spring_of(spec, i);
+        if (spring.stiffness.is_negative() || spring.damping.is_negative()) return JointFault::bad_spring;
+        if (turns > 0 && abs(spring.rest) > half_turn) return JointFault::bad_spring;
+        if (turns == 3 && !spring.rest.is_zero()) return JointFault::bad_spring;
+        if constexpr (requires { spec.most; })
+            if (spring.rest.is_negative()) return JointFault::bad_spring;
+    }
+    return JointFault::none;
+}
 // The point of a side at which a joint holds it, m, world.
 [[nodiscard]] constexpr const RealVec3& anchor_of(const auto& spec, [[maybe_unused]] int side) {
     if constexpr (requires { spec.to_point; }) return side == 0 ? spec.point : spec.to_point;

@@ -61,6 +61,10 @@ struct JointKindList {
         ((found = std::is_same_v<typename Kinds::Spec, Spec> ? number : found, ++number), ...);
         return found;
     }();
+    // Free rotations along which a spring of the joint acts; none of a distance.
+    template <class Spec>
+    static constexpr int turns_of_springs =
+        ((std::is_same_v<typename Kinds::Spec, Spec> && Kinds::slides == 0 ? int{Kinds::turns} : 0) + ...);
     template <class Spec>
     using Of = typename detail::KindOfSpec<Spec, Kinds...>::type;
     // Of the kind with a number.

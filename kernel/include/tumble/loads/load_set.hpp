@@ -8,6 +8,7 @@
 #include <tumble/loads/drag.hpp>
 #include <tumble/loads/gravitation.hpp>
 #include <tumble/loads/gravity_gradient.hpp>
+#include <tumble/loads/joint_spring.hpp>
 #include <tumble/loads/spring.hpp>
 #include <tumble/loads/timed_force.hpp>
 #include <tumble/loads/wheels.hpp>
@@ -101,21 +102,25 @@ public:
     using Stage = StageState<N, rotation>;
     using Loaded = LoadedBody<N, rotation, features.mixed()>;
     using OwnLoads = detail::ListedLoads<detail::WithListed<N, features, Own>>;
+    using JointSpringsOfWorld =
+        JointSprings<N, (features.joints > 0 ? features.joints : 1), (features.bodies > 0 ? features.bodies : 1)>;
     // Those of the program, which may begin and end to act in any step. The kernel's change by change_load() alone.
     using ProgramLoads = detail::ListedLoads<Own>;
-    static constexpr bool may_depend_on_velocity = features.drag || features.springs > 0 ||
-                                                   features.springs_touch() || OwnLoads::may_depend_on_velocity;
+    static constexpr bool may_depend_on_velocity =
+        features.drag || features.springs > 0 ||
+        features.springs_touch() || features.has_joint_springs() || OwnLoads::may_depend_on_velocity;
     // Whether a load may couple two bodies that move.
-    static constexpr bool may_couple = features.bodies > 1 && (features.springs > 0 || features.gravitation ||
-                                                               features.springs_touch() || OwnLoads::may_couple);
+    static constexpr bool may_couple = features.bodies > 1 &&
+                                       (features.springs > 0 || features.gravitation || features.has_joint_springs() ||
+                                        features.springs_touch() || OwnLoads::may_couple);
     // Contacts by springs, which wake no body and have their own sum.
     template <class Load>
     static constexpr bool is_contacts = std::is_same_v<Load, ContactSprings<N, spin, features>>;
 
     constexpr LoadSet(Real step, const WorldSpec& spec)
-        : seconds_{N::template constant<Work>(step)}, steps_per_second_{N::template constant<Work>(Real{1} / step)},
-          drag_{step, spec}, springs_{step, spec}, gravitation_{step, spec}, forces_{step, spec}, contacts_{step,
-                                                                                                            spec} {}
+        : seconds_{N::template constant<Work>(step)},
+          steps_per_second_{N::template constant<Work>(Real{1} / step)}, drag_{step, spec}, springs_{step, spec},
+          joint_springs_{step, spec}, gravitation_{step, spec}, forces_{step, spec}, contacts_{step, spec} {}
 
     template <class Load>
     [[nodiscard]] constexpr Load& own() {
@@ -187,6 +192,9 @@ public:
     [[nodiscard]] constexpr int plane_count() const requires(features.springs_touch()) {
         return contacts_.plane_count();
     }
+    // Those of the joints.
+    [[nodiscard]] auto& joint_springs() requires(features.has_joint_springs()) { return joint_springs_; }
+    [[nodiscard]] const auto& joint_springs() const requires(features.has_joint_springs()) { return joint_springs_; }
     [[nodiscard]] constexpr int spring_count() const requires(features.springs > 0) { return springs_.count(); }
     [[nodiscard]] Real largest_safe_step() const requires(features.springs_touch()) {
         return contacts_.largest_safe_step();
@@ -401,6 +409,8 @@ private:
         if (OwnLoads::any(loads.own_, ask)) return true;
         if constexpr (features.springs > 0)
             if (ask(loads.springs_)) return true;
+        if constexpr (features.has_joint_springs())
+            if (ask(loads.joint_springs_)) return true;
         if constexpr (features.drag)
             if (ask(loads.drag_)) return true;
         if constexpr (features.springs_touch())
@@ -513,6 +523,7 @@ private:
     Work seconds_, steps_per_second_;
     [[no_unique_address]] If<features.drag, Drag<N, features.bodies>, 0> drag_;
     [[no_unique_address]] If<(features.springs > 0), Springs<N, features.springs, features.bodies>, 1> springs_;
+    [[no_unique_address]] If<features.has_joint_springs(), JointSpringsOfWorld, 5> joint_springs_;
     [[no_unique_address]] If<features.gravitation, Gravitation<N, features.bodies, features.softening>, 2> gravitation_;
     [[no_unique_address]] If<features.forces, TimedForces<N>, 3> forces_;
     [[no_unique_address]] If<features.springs_touch(), ContactSprings<N, spin, features>, 4> contacts_;

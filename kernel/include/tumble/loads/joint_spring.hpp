@@ -1,0 +1,236 @@
+// Springs and dampers along the free directions of joints: a torque -k (angle - rest) - c (rate of the angle) about an
+// axis, and likewise a force along an axis or a line. It acts on both bodies at one point, so momentum and angular
+// momentum are kept. Of a ball joint the angle is that of the whole turn, about its axis: -k times the vector of the
+// turn, which is the gradient of k angle^2 / 2, and -c times the relative spin.
+#pragma once
+
+#include <tumble/loads/loaded_group.hpp>
+#include <tumble/numbers/functions.hpp>
+
+namespace tumble {
+
+// Of the joints of a world, by their places.
+template <class N, int joints, int bodies>
+class JointSprings {
+public:
+    using Work = typename N::Work;
+    using Vector = WorkVec3<N>;
+    // What a spring is along.
+    enum class Along : std::uint8_t { nothing, turn, turns, whole_turn, slide, line };
+    // As the world knows a side of the joint: the arm and the axes in principal axes, m.
+    struct Side {
+        int body = -1;  // -1: the world
+        Vector arm{}, axis[2]{};
+    };
+
+    constexpr JointSprings(Real, const WorldSpec&) {}
+
+    // Sets the springs of a joint. `along` of a universal joint is `turns`: about an axis of each body.
+    TUMBLE_COLD void set(int joint, Along along, const Side (&side)[2], const typename N::PositionSum (&anchor)[3],
+                         const JointSpring (&spring)[2], const auto& all) {
+        Entry& entry = entry_[joint];
+        entry = Entry{};
+        if (!spring[0].acts() && !spring[1].acts()) return note(all);
+        entry.along = along;
+        for (int i = 0; i < 2; ++i) {
+            entry.side[i] = side[i];
+            entry.stiffness[i] = N::template constant<Work>(spring[i].stiffness);
+            entry.damping[i] = N::template constant<Work>(spring[i].damping);
+            entry.rest[i] = N::template constant<Work>(spring[i].rest);
+        }
+        for (int i = 0; i < 3; ++i) entry.anchor[i] = anchor[i];
+        note(all);
+    }
+    // Forgets the springs of joints that are not there any more.
+    TUMBLE_COLD void keep(auto&& is_there, const auto& all) {
+        for (int j = 0; j < joints; ++j)
+            if (!is_there(j)) entry_[j] = Entry{};
+        note(all);
+    }
+    // N m/rad or N/m, and with the time in seconds: of spring i of a joint.
+    [[nodiscard]] Work stiffness(int joint, int i) const { return entry_[joint].stiffness[i]; }
+    [[nodiscard]] Work damping(int joint, int i) const { return entry_[joint].damping[i]; }
+    void add_to(auto& digest) const {
+        for (const Entry& entry : entry_)
+            for (int i = 0; entry.along != Along::nothing && i < 2; ++i) {
+                digest.add_number(entry.stiffness[i]);
+                digest.add_number(entry.damping[i]);
+                digest.add_number(entry.rest[i]);
+            }
+    }
+
+    // As each load has it: loads/loaded_group.hpp.
+    [[nodiscard]] bool acts_on(const auto&, int b) const { return acts_[b]; }
+    // Likewise.
+    [[nodiscard]] bool turns(const auto&, int b) const { return acts_[b]; }
+    // Likewise.
+    [[nodiscard]] bool couples(const auto&, int b) const { return couples_[b]; }
+    // Likewise.
+    template <class F>
+    void for_each_coupled(const auto& all, int b, F&& f) const {
+        for (const Entry& entry : entry_) {
+            if (entry.along == Along::nothing) continue;
+            for (int side = 0; side < 2; ++side) {
+                const int other = entry.side[1 - side].body;
+                if (entry.side[side].body == b && other >= 0 && !all.constants[other].fixed()) f(other);
+            }
+        }
+    }
+    // Likewise.
+    [[nodiscard]] bool depends_on_velocity() const { return is_damped_; }
+    // Likewise.
+    template <class Group>
+    void apply_to(const Group& group) const {
+        if constexpr (Group::rotation)
+            for (const Entry& entry : entry_) {
+                if (entry.along == Along::nothing) continue;
+                const End<Group> own{group, entry.side[0]}, other{group, entry.side[1]};
+                if (own.place < 0 && other.place < 0) continue;
+                if (entry.along == Along::slide || entry.along == Along::line) pull(group, entry, own, other);
+                else turn(group, entry, own, other);
+            }
+    }
+
+private:
+    struct Entry {
+        Along along = Along::nothing;
+        Side side[2]{};
+        typename N::PositionSum anchor[3]{};  // in the world, where it is the other side
+        Work stiffness[2]{}, damping[2]{}, rest[2]{};
+    };
+    // A side of a joint at a stage.
+    template <class Group>
+    struct End {
+        const Side& side;
+        int place = -1;  // in the group; -1: the world, or a body that stands still
+        Quat<Work> q{Work(1), zero_vector<N>()};
+        Vector spin = zero_vector<N>(), velocity = spin;  // rad/s and m/s, world
+
+        End(const Group& group, const Side& of) : side{of} {
+            if (of.body < 0) return;
+            place = group.place_of(of.body);
+            if (place < 0) {
+                q = work_quaternion<N>(group.bodies.state[of.body].q_wb.value());
+                return;
+            }
+            const auto& stage = group.stage[place];
+            const Work rate =
+                group.whole ? group.steps_per_second : group.steps_per_second * Group::L::work(group.per_length);
+            q = work_quaternion<N>(stage.q_wb);
+            for (int i = 0; i < 3; ++i) {
+                spin[i] = N::half_turn(stage.t_b[i], group.bodies.scale) *
+                          group.bodies.constants[of.body].units.rate(i, rate);
+                velocity[i] = N::metres(stage.d_w[i], group.bodies.scale) * rate;
+            }
+            spin = rotate(q, spin);
+        }
+        [[nodiscard]] Vector axis(int k) const { return rotate(q, side.axis[k]); }
+        [[nodiscard]] Vector arm() const { return rotate(q, side.arm); }
+        void add_torque(const Group& group, const Vector& torque) const {
+            if (place < 0) return;
+            const Vector own = rotate_back(q, torque);
+            group.turn(place, Group::L::Vector::of(own[0], own[1], own[2]), Group::L::factor(group.seconds));
+        }
+        // At an arm from the centre of mass, world.
+        void add_force(const Group& group, const Vector& force, const Vector& arm) const {
+            if (place < 0) return;
+            const Vector own = rotate_back(q, arm);
+            group.push(place, Group::L::Vector::of(force[0], force[1], force[2]), Group::L::factor(group.seconds),
+                       Group::L::Vector::of(own[0], own[1], own[2]));
+        }
+    };
+
+    // Notes which bodies feel them.
+    TUMBLE_COLD void note(const auto& all) {
+        for (int b = 0; b < bodies; ++b) acts_[b] = couples_[b] = false;
+        is_damped_ = false;
+        for (const Entry& entry : entry_) {
+            if (entry.along == Along::nothing) continue;
+            is_damped_ = is_damped_ || entry.damping[0] > Work(0) || entry.damping[1] > Work(0);
+            const auto moves = [&](int side) {
+                const int b = entry.side[side].body;
+                return b >= 0 && !all.constants[b].fixed();
+            };
+            for (int side = 0; side < 2; ++side) {
+                if (!moves(side)) continue;
+                acts_[entry.side[side].body] = true;
+                if (moves(1 - side)) couples_[entry.side[side].body] = true;
+            }
+        }
+    }
+    [[nodiscard]] static Work strength(const Entry& entry, int i, Work at, Work rate) {
+        return -(entry.stiffness[i] * (at - entry.rest[i]) + entry.damping[i] * rate);
+    }
+    // From one direction to another about an axis.
+    [[nodiscard]] static Work angle(const Vector& from, const Vector& to, const Vector& about) {
+        return arc_tangent(Work(dot(cross<Work>(from, to), about)), Work(dot(from, to)));
+    }
+    template <class Group>
+    static void turn(const Group& group, const Entry& entry, const End<Group>& own, const End<Group>& other) {
+        const Vector rate = own.spin - other.spin;
+        Vector torque = zero_vector<N>();
+        if (entry.along == Along::whole_turn) {
+            // Of the turn R by the angle a about n: sum of axes (R e) x e = -2 sin(a) n, and 1 + 2 cos(a) is its trace.
+            Vector twice_sine = zero_vector<N>();
+            Work trace(0);
+            const Vector of_own[3] = {own.axis(0), own.axis(1), cross<Work>(own.axis(0), own.axis(1))},
+                         of_other[3] = {other.axis(0), other.axis(1), cross<Work>(other.axis(0), other.axis(1))};
+            for (int i = 0; i < 3; ++i) {
+                twice_sine += cross<Work>(of_other[i], of_own[i]);
+                trace += dot(of_other[i], of_own[i]);
+            }
+            const Work sine = N::half_of(Work(sqrt(Work(dot(twice_sine, twice_sine)))));
+            const Work whole = arc_tangent(sine, N::half_of(Work(trace - Work(1))));
+            torque = scaled_by(rate, -entry.damping[0]);
+            if (sine > Work(0)) torque += scaled_by(twice_sine, -N::half_of(Work(entry.stiffness[0] * whole / sine)));
+        } else {
+            const Vector axis = own.axis(0), other_axis = other.axis(0);
+            const bool both = entry.along == Along::turns;
+            torque = scaled_by(
+                axis, strength(entry, 0, angle(both ? other_axis : other.axis(1), own.axis(1), axis), dot(axis, rate)));
+            if (both)
+                torque += scaled_by(other_axis,
+                                    strength(entry, 1, -angle(axis, other.axis(1), other_axis), dot(other_axis, rate)));
+        }
+        own.add_torque(group, torque);
+        other.add_torque(group, -torque);
+    }
+    template <class Group>
+    static void pull(const Group& group, const Entry& entry, const End<Group>& own, const End<Group>& other) {
+        const Vector arm = own.arm();
+        Vector between;  // the centres of mass, or the world's anchor
+        for (int i = 0; i < 3; ++i) {
+            const auto x = own.place >= 0 ? group.stage[own.place].x_w[i] : place_of(group, entry, 0, i);
+            const auto y = other.place >= 0 ? group.stage[other.place].x_w[i] : place_of(group, entry, 1, i);
+            between[i] = N::apart(x, y);
+        }
+        const Vector other_arm = entry.side[1].body < 0 ? zero_vector<N>() : other.arm();
+        const Vector reach = between + arm - other_arm;  // from the other's anchor to the body's
+        Vector along = entry.along == Along::slide ? other.axis(0) : reach;
+        Work length(0);
+        if (entry.along == Along::line) {
+            length = sqrt(Work(dot(reach, reach)));
+            if (!(length > Work(0))) return;  // no direction: no force
+            along = scaled_by(reach, Work(1) / length);
+        } else {
+            length = dot(along, reach);
+        }
+        // The other side's point at the place of the body's anchor.
+        const Vector at_own = other_arm + reach;
+        const Vector rate =
+            own.velocity + cross<Work>(own.spin, arm) - other.velocity - cross<Work>(other.spin, at_own);
+        const Vector force = scaled_by(along, strength(entry, 0, length, dot(along, rate)));
+        own.add_force(group, force, arm);
+        other.add_force(group, -force, at_own);
+    }
+    [[nodiscard]] static typename N::PositionSum place_of(const auto& group, const Entry& entry, int side, int i) {
+        const int b = entry.side[side].body;
+        return b < 0 ? entry.anchor[i] : N::sum(group.bodies.state[b].x_w[i]);
+    }
+
+    Entry entry_[joints]{};
+    bool acts_[bodies]{}, couples_[bodies]{};
+    bool is_damped_ = false;
+};
+
+}  // namespace tumble

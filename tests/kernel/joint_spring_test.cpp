@@ -1,0 +1,305 @@
+// Springs and dampers along the free directions of joints. The oracles are the closed forms of oscillators, conserved
+// quantities, and springs between the same points.
+#include <tumble/tumble.hpp>
+
+#include "kinds.hpp"
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace tumble::test {
+namespace {
+
+inline constexpr Features sprung{.bodies = 4,
+                                 .springs = 1,
+                                 .joints = 4,
+                                 .distances = true,
+                                 .joint_springs = true,
+                                 .removal = true,
+                                 .snapshots = true};
+using SpringKinds = Tested<testing::Types<Kind<Q32<>, integrators::Verlet>, Kind<F64, integrators::Verlet>>,
+                           testing::Types<Kind<F32, integrators::Verlet>, Kind<F64, integrators::Strang>>>;
+
+template <class W>
+class JointSprings : public testing::Test {
+protected:
+    using N = typename W::Numbers;
+    using World = tumble::World<SceneOf<N, typename W::Integrator, sprung>>;
+    static constexpr bool is_single = !N::fixed_point && sizeof(typename N::Unit) == 4;
+
+    [[nodiscard]] static World floating(Seconds step = {1, 256}) { return World{step, {}}; }
+    [[nodiscard]] static BodySpec at(BodySpec body, const RealVec3& position, const RealVec3& spin = {}) {
+        body.position = position;
+        body.angular_velocity = spin;
+        return body;
+    }
+    static void run(World& world, int steps) {
+        for (int i = 0; i < steps; ++i) (void)world.step();
+    }
+    [[nodiscard]] static auto joint(const World& world, int j = 0) { return world.template joint<double>(JointId{j}); }
+    [[nodiscard]] static Vector3<double> spin(const World& world, BodyId id) {
+        return rotate(world.orientation(id).template as<double>(), world.angular_velocity(id).template as<double>());
+    }
+    // Of coordinate(world) after a second, and how many times smaller it is at half the step.
+    template <class Make, class Coordinate>
+    static void expect_order_two(Make&& make, Coordinate&& coordinate, double expected, double most_error) {
+        std::vector<double> errors;
+        for (const int rate : {256, 512}) {
+            auto world = make(Seconds{1, rate});
+            run(world, rate);
+            errors.push_back(std::abs(coordinate(world) - expected));
+            EXPECT_TRUE(world.status().ok());
+        }
+        EXPECT_LT(errors[0], most_error);
+        if (!is_single) { EXPECT_NEAR(errors[0] / errors[1], 4, 0.6); }
+    }
+    static constexpr double inertia = 1.25 / 12;  // kg m^2, of a box of 1 kg with edges of 1 m and 0.5 m across
+};
+TYPED_TEST_SUITE(JointSprings, SpringKinds);
+
+// About its centre: the angle is 0.5 (1 - cos(w t)), with w^2 = k / I.
+TYPED_TEST(JointSprings, a_sprung_hinge_swings_as_an_oscillator) {
+    const double w = 12, k = w * w * this->inertia;
+    const auto make = [&](Seconds step) {
+        auto world = this->floating(step);
+        const BodyId id = world.add(this->at(box(1, {1, 0.5, 0.25}), {}));
+        (void)world.add(HingeSpec{.body = id, .spring = {.stiffness = k, .rest = 0.5}});
+        return world;
+    };
+    const auto angle = [&](const auto& world) { return this->joint(world).angle; };
+    this->expect_order_two(make, angle, 0.5 * (1 - std::cos(w)), 0.002);
+}
+
+TYPED_TEST(JointSprings, the_energy_of_a_sprung_arm_has_no_trend) {
+    auto world = this->floating();
+    const BodyId upper = world.add(this->at(box(1, {1, 0.25, 0.25}), {0.5, 0, 0})),
+                 lower = world.add(this->at(box(0.5, {1, 0.25, 0.25}), {1.5, 0, 0}));
+    (void)world.add(HingeSpec{.body = upper, .spring = {.stiffness = 20, .rest = 0.75}});
+    (void)world.add(BallSpec{.body = lower, .to_body = upper, .anchor = {1, 0, 0}, .spring = {.stiffness = 5}});
+    const auto energy = [&] {
+        double sum = 0;
+        for (const BodyId id : {upper, lower}) sum += static_cast<double>(world.kinetic_energy(id));
+        const double angle = this->joint(world).angle - 0.75;
+        const auto p = world.orientation(upper).template as<double>(),
+                   q = world.orientation(lower).template as<double>();
+        const auto relative = p.conjugate() * q;
+        const double turn = 2 * std::atan2(std::sqrt(dot(relative.v, relative.v)), std::abs(relative.w));
+        return sum + 0.5 * 20 * angle * angle + 0.5 * 5 * turn * turn;
+    };
+    const double start = energy();
+    EXPECT_NEAR(start, 10 * 0.75 * 0.75, 1e-5);
+    double first = 0, last = 0;
+    constexpr int window = 2048;
+    for (int i = 0; i < window; ++i) {
+        this->run(world, 1);
+        first += energy() / window;
+    }
+    this->run(world, 20000);
+    for (int i = 0; i < window; ++i) {
+        this->run(world, 1);
+        last += energy() / window;
+    }
+    EXPECT_NEAR(first, start, 0.01 * start);
+    EXPECT_NEAR(last, first, 1e-3 * start);
+    EXPECT_TRUE(world.status().ok());
+}
+
+// x = 0.5 (1 - exp(-d t) (cos(v t) + d / v sin(v t))), d = c / 2 I, v^2 = k / I - d^2.
+TYPED_TEST(JointSprings, a_damper_takes_energy_as_its_oscillator_does) {
+    const double k = 100 * this->inertia, c = 4 * this->inertia, d = 2, v = std::sqrt(100 - 4);
+    const auto make = [&](Seconds step) {
+        auto world = this->floating(step);
+        const BodyId id = world.add(this->at(box(1, {1, 0.5, 0.25}), {}));
+        (void)world.add(HingeSpec{.body = id, .spring = {.stiffness = k, .damping = c, .rest = 0.5}});
+        return world;
+    };
+    const auto angle = [&](const auto& world) { return this->joint(world).angle; };
+    this->expect_order_two(make, angle, 0.5 * (1 - std::exp(-d) * (std::cos(v) + d / v * std::sin(v))), 0.002);
+}
+
+// Two bodies of 1 kg and 3 kg on an axis across their way: the travel swings with the reduced mass of 3/4 kg.
+TYPED_TEST(JointSprings, a_sprung_slider_swings_with_the_reduced_mass) {
+    const double w = 10;
+    const auto make = [&](Seconds step) {
+        auto world = this->floating(step);
+        const BodyId a = world.add(this->at(box(1, {0.5, 0.5, 0.5}), {})),
+                     b = world.add(this->at(box(3, {1, 0.5, 0.5}), {2, 0, 0}));
+        (void)world.add(SliderSpec{
+            .body = a, .to_body = b, .axis = {1, 0, 0}, .spring = {.stiffness = 0.75 * w * w, .rest = 0.25}});
+        return world;
+    };
+    const auto travel = [&](const auto& world) {
+        EXPECT_NEAR(static_cast<double>(world.velocity(BodyId{0}).x),
+                    -3 * static_cast<double>(world.velocity(BodyId{1}).x), 1e-5);
+        return this->joint(world).travel;
+    };
+    this->expect_order_two(make, travel, 0.25 * (1 - std::cos(w)), 0.001);
+}
+
+// A ball turns about any axis alike.
+TYPED_TEST(JointSprings, a_sprung_ball_joint_swings_about_every_axis) {
+    const double moment = 0.4 * 2 * 0.25, w = 9, speed = 6;
+    const auto make = [&](Seconds step) {
+        auto world = this->floating(step);
+        const BodyId id = world.add(this->at(sphere(2, 0.5), {}, {2, 4, 4}));
+        (void)world.add(BallSpec{.body = id, .spring = {.stiffness = moment * w * w}});
+        return world;
+    };
+    const auto turn = [&](const auto& world) {
+        const auto q = world.orientation(BodyId{0}).template as<double>();
+        EXPECT_NEAR(q.v.y, 2 * q.v.x, 1e-4);
+        return 2 * std::atan2((q.v.x + 2 * q.v.y + 2 * q.v.z) / 3, q.w);
+    };
+    this->expect_order_two(make, turn, speed / w * std::sin(w), 0.003);
+}
+
+TYPED_TEST(JointSprings, both_axes_of_a_universal_joint_have_springs) {
+    for (const bool to : {false, true}) {
+        auto world = this->floating();
+        // About x, the axis of the body, or y, that of the world.
+        const BodyId id = world.add(this->at(box(1, {1, 1, 0.25}), {}));
+        const double moment = 1.0625 / 12, w = 8;
+        const tumble::JointSpring spring{.stiffness = moment * w * w, .rest = 0.25};
+        (void)world.add(UniversalSpec{.body = id,
+                                      .spring = to ? tumble::JointSpring{} : spring,
+                                      .to_spring = to ? spring : tumble::JointSpring{}});
+        this->run(world, 256);
+        const auto joint = this->joint(world);
+        EXPECT_NEAR(to ? joint.to_angle : joint.angle, 0.25 * (1 - std::cos(w)), 0.002) << to;
+        EXPECT_NEAR(to ? joint.angle : joint.to_angle, 0, 1e-5) << to;
+    }
+}
+
+// Along a distance: what a spring between the same points does.
+TYPED_TEST(JointSprings, a_spring_along_a_distance_is_a_spring_between_its_points) {
+    auto along = this->floating(), between = this->floating();
+    for (auto* world : {&along, &between}) {
+        (void)world->add(this->at(box(1, {0.5, 0.25, 0.25}), {0.5, 0.25, 0}, {0, 1, 2}));
+        (void)world->add(this->at(box(2, {0.5, 0.5, 0.25}), {-0.75, 0, 0.25}));
+    }
+    (void)along.add(DistanceSpec{.body = 0,
+                                 .to_body = 1,
+                                 .point = {0.75, 0.25, 0},
+                                 .to_point = {-0.75, 0.25, 0.25},
+                                 .most = 8,
+                                 .spring = {.stiffness = 30, .damping = 0.5, .rest = 1}});
+    (void)between.add(SpringSpec{.body = 0,
+                                 .point = {0.25, 0, 0},
+                                 .to_body = 1,
+                                 .to = {0, 0.25, 0},
+                                 .stiffness = 30,
+                                 .damping = 0.5,
+                                 .rest_length = 1});
+    this->run(along, 256);
+    this->run(between, 256);
+    for (const BodyId id : {BodyId{0}, BodyId{1}}) {
+        const auto x = along.position(id).template as<double>() - between.position(id).template as<double>();
+        EXPECT_LT(std::sqrt(dot(x, x)), this->is_single ? 1e-4 : 1e-5);
+    }
+}
+
+// Of all kinds, in a tree that flies freely.
+TYPED_TEST(JointSprings, springs_of_joints_keep_momentum_and_angular_momentum) {
+    auto world = this->floating();
+    std::vector<BodyId> ids;
+    for (int i = 0; i < 4; ++i)
+        ids.push_back(
+            world.add(this->at(box(1 + i, {0.5, 0.25, 0.375}), {Real{i}, 0.125 * i, 0}, {0.5, 1 - i, 0.25 * i})));
+    const tumble::JointSpring spring{.stiffness = 10, .damping = 0.25};
+    (void)world.add(BallSpec{.body = ids[1], .to_body = ids[0], .anchor = {0.5, 0, 0}, .spring = spring});
+    (void)world.add(UniversalSpec{
+        .body = ids[2], .to_body = ids[1], .anchor = {1.5, 0.125, 0}, .spring = spring, .to_spring = spring});
+    (void)world.add(SliderSpec{.body = ids[3],
+                               .to_body = ids[2],
+                               .anchor = {2.5, 0.25, 0},
+                               .axis = {1, 1, 0},
+                               .spring = {.stiffness = 40, .rest = 0.25}});
+    this->run(world, 1);  // ends the rates across the joints
+    const auto sums = [&] {
+        Vector3<double> p{}, l{};
+        for (int b = 0; b < 4; ++b) {
+            const BodyId id = ids[static_cast<std::size_t>(b)];
+            const auto v = world.velocity(id).template as<double>(),
+                       w = world.angular_velocity(id).template as<double>();
+            const InertiaTensor i = world.inertia(id);
+            p += v * (1.0 + b);
+            l += cross(world.position(id).template as<double>(), v * (1.0 + b)) +
+                 rotate(world.orientation(id).template as<double>(),
+                        Vector3<double>{i.xx.to_double() * w.x, i.yy.to_double() * w.y, i.zz.to_double() * w.z});
+        }
+        return std::array{p, l};
+    };
+    const auto before = sums();
+    this->run(world, 512);
+    const auto after = sums();
+    const auto apart = [](const Vector3<double>& a, const Vector3<double>& b) { return std::sqrt(dot(a - b, a - b)); };
+    EXPECT_LT(apart(after[0], before[0]), TestFixture::N::fixed_point || this->is_single ? 1e-4 : 5e-6);
+    EXPECT_LT(apart(after[1], before[1]), TestFixture::N::fixed_point || this->is_single ? 2e-3 : 2e-5);
+    EXPECT_TRUE(world.status().ok());
+}
+
+// The limit of Stormer and Verlet is h w = 2.
+TYPED_TEST(JointSprings, a_spring_that_the_step_cannot_follow_is_reported) {
+    if (!std::is_same_v<typename TypeParam::Integrator, integrators::Verlet>) return;
+    for (const double part : {0.9, 1.1}) {
+        const double limit = 4 * 256.0 * 256.0 * part;
+        auto hinge = this->floating(), slider = this->floating(), ball = this->floating();
+        for (auto* world : {&hinge, &slider, &ball}) (void)world->add(this->at(box(1, {1, 0.5, 0.25}), {}));
+        (void)hinge.add(HingeSpec{.body = 0, .spring = {.stiffness = limit * this->inertia}});
+        (void)slider.add(SliderSpec{.body = 0, .spring = {.stiffness = limit}});
+        // About x its moment is the least.
+        (void)ball.add(BallSpec{.body = 0, .spring = {.stiffness = limit * (0.25 + 0.0625) / 12}});
+        for (auto* world : {&hinge, &slider, &ball}) {
+            this->run(*world, 1);
+            EXPECT_EQ(world->status().has(Issue::step_too_long), part > 1) << part;
+        }
+    }
+}
+
+TYPED_TEST(JointSprings, springs_that_cannot_be_are_refused) {
+    auto world = this->floating();
+    const BodyId id = world.add(this->at(box(1, {1, 0.5, 0.25}), {}));
+    EXPECT_EQ(world.fault_of(HingeSpec{.body = id, .spring = {.stiffness = -1}}), JointFault::bad_spring);
+    EXPECT_EQ(world.fault_of(HingeSpec{.body = id, .spring = {.damping = -1}}), JointFault::bad_spring);
+    EXPECT_EQ(world.fault_of(HingeSpec{.body = id, .spring = {.stiffness = 1, .rest = 3.5}}), JointFault::bad_spring);
+    EXPECT_EQ(world.fault_of(BallSpec{.body = id, .spring = {.stiffness = 1, .rest = 0.5}}), JointFault::bad_spring);
+    EXPECT_EQ(world.fault_of(UniversalSpec{.body = id, .to_spring = {.stiffness = -1}}), JointFault::bad_spring);
+    EXPECT_EQ(world.fault_of(
+                  DistanceSpec{.body = id, .to_point = {1, 0, 0}, .most = 2, .spring = {.stiffness = 1, .rest = -1}}),
+              JointFault::bad_spring);
+    EXPECT_EQ(world.fault_of(SliderSpec{.body = id, .spring = {.stiffness = 1, .rest = 100}}), JointFault::none);
+    EXPECT_STREQ(name_of(JointFault::bad_spring), "bad_spring");
+#ifndef __SANITIZE_ADDRESS__
+    tumble::World<SceneOf<typename TestFixture::N, integrators::Verlet, Features{.joints = 1}>> without{
+        Seconds{1, 256}};
+    (void)without.add(this->at(box(1, {1, 0.5, 0.25}), {}));
+    EXPECT_DEATH((void)without.add(HingeSpec{.body = 0, .spring = {.stiffness = 1}}), "");
+    EXPECT_DEATH((void)world.add(HingeSpec{.body = id, .spring = {.stiffness = -1}}), "");
+#endif
+}
+
+TYPED_TEST(JointSprings, a_spring_goes_with_its_joint_and_is_in_snapshots) {
+    const auto make = [&](double k) {
+        auto world = this->floating();
+        (void)world.add(this->at(box(1, {1, 0.5, 0.25}), {}));
+        (void)world.add(HingeSpec{.body = 0, .spring = {.stiffness = k, .damping = 0.125, .rest = 0.5}});
+        return world;
+    };
+    auto saved = make(10), same = make(10), other = make(11);
+    this->run(saved, 50);
+    std::array<std::uint8_t, 8192> bytes{};
+    const int size = saved.save(bytes.data(), static_cast<int>(bytes.size()));
+    ASSERT_EQ(same.restore(bytes.data(), size), SnapshotFault::none);
+    EXPECT_EQ(other.restore(bytes.data(), size), SnapshotFault::other_scene);
+    this->run(saved, 100);
+    this->run(same, 100);
+    EXPECT_EQ(saved.hash(), same.hash());
+    saved.remove(JointId{0});
+    const double speed = this->spin(saved, BodyId{0}).z;
+    this->run(saved, 100);
+    EXPECT_NEAR(this->spin(saved, BodyId{0}).z, speed, 1e-6);
+}
+
+}  // namespace
+}  // namespace tumble::test
