@@ -115,6 +115,11 @@ public:
         }
         return place;
     }
+    void break_joint(int place) requires(features.joint_breaks) {
+        joints.break_apart(place, bodies);
+        keep_joint_springs();
+        disturb();
+    }
     void remove_joint(int place) requires has_joints {
         joints.remove(place, bodies);
         keep_joint_springs();
@@ -132,7 +137,10 @@ public:
             for (int b = 0; b < self.bodies.count; ++b) to(self.inertia_[b]);
         if constexpr (has_wrenches) to(self.wrenches, self.gravity_);
         if constexpr (has_loads) Loads::archive(self.loads, to);
-        if constexpr (has_joints) Joints::archive(self.joints, to);
+        if constexpr (has_joints) {
+            Joints::archive(self.joints, self.bodies, to);
+            if constexpr (Archive::reads) self.keep_joint_springs();
+        }
         if constexpr (Archive::reads) self.disturb();
         if constexpr (keeps_kicks && Loads::may_depend_on_velocity)
             for (int b = 0; b < self.bodies.count; ++b)
@@ -408,7 +416,8 @@ public:
 private:
     void keep_joint_springs() {
         if constexpr (features.has_joint_springs())
-            loads.joint_springs().keep([&](int j) { return joints.record(j).is_there; }, bodies);
+            loads.joint_springs().keep([&](int j) { return joints.record(j).is_there; },
+                                       [&](int j) { return joints.holds(j); }, bodies);
     }
     // Reports a step that is surely too long for a spring of a joint: with the inertia of what hangs on it along its
     // free direction as if the other side stood still, which is more than the motion has. The factor must be that of

@@ -39,7 +39,9 @@ struct Required {
         TUMBLE_ASSERT(features.control ||
                       (kind != EventKind::force && kind != EventKind::torque && kind != EventKind::step_force &&
                        kind != EventKind::step_torque && kind != EventKind::gravity));
-        TUMBLE_ASSERT(features.removal || kind != EventKind::remove);
+        TUMBLE_ASSERT(features.removal || (kind != EventKind::remove && kind != EventKind::remove_joint));
+        TUMBLE_ASSERT(features.has_joints() || !has_joint(kind));
+        TUMBLE_ASSERT(features.joint_breaks || kind != EventKind::break_joint);
     }
 
 private:

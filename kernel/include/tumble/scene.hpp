@@ -19,6 +19,7 @@ struct Features {
     int joints = 0;                   // room for joints; needs rotation; jointed bodies touch nothing yet
     bool distances = false;           // joints may keep a distance: DistanceSpec
     bool joint_springs = false;       // joints may have springs and dampers: JointSpring
+    bool joint_breaks = false;        // joints may break: break_force, break_torque, World::break_joint()
     int near_pairs = 0;               // room for pairs that are near each other at one time; 0: the usual room
     bool rotation = true;             // bodies rotate; if false, all of them are point masses
     bool point_masses = false;        // some bodies may be point masses, which do not rotate
@@ -64,6 +65,7 @@ struct Features {
         f("joints", &Features::joints);
         f("distances", &Features::distances);
         f("joint_springs", &Features::joint_springs);
+        f("joint_breaks", &Features::joint_breaks);
         f("near_pairs", &Features::near_pairs);
         f("rotation", &Features::rotation);
         f("point_masses", &Features::point_masses);

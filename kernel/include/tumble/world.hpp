@@ -176,6 +176,8 @@ public:
         }
         TUMBLE_ASSERT(features.joint_springs || !detail::spring_of(spec, 0).acts());
         TUMBLE_ASSERT(features.joint_springs || !detail::spring_of(spec, 1).acts());
+        TUMBLE_ASSERT(features.joint_breaks ||
+                      (detail::break_force_of(spec).is_zero() && detail::break_torque_of(spec).is_zero()));
         const int place = advance_.add(spec);
         if constexpr (has_contacts)
             for (const int b : {static_cast<int>(spec.body), static_cast<int>(spec.to_body)})
@@ -331,12 +333,17 @@ public:
         act<EventKind::remove>(id, Frame::world, {});
     }
     // Removes a joint at once. Its bodies go on with the velocities that they have. The next joint that is added takes
-    // the first free place, with another id. The old id is misuse from now on.
+    // the first free place, with another id. The old id is misuse from now on; an event of a script that names it is
+    // skipped.
     void remove(JointId id) requires(features.has_joints()) {
         static_assert(features.removal, "remove() needs .removal = true among the scene's features");
-        refuse_to_record();
-        TUMBLE_ASSERT(contains(id));
-        advance_.remove_joint(id.index());
+        act_on_joint<EventKind::remove_joint>(id);
+    }
+    // Breaks a joint at once, as a load beyond its strength does at the start of the next step. It holds nothing any
+    // more, keeps its place and its id until it is removed, and joint() says so.
+    void break_joint(JointId id) requires(features.has_joints()) {
+        static_assert(features.joint_breaks, "break_joint() needs .joint_breaks = true among the scene's features");
+        act_on_joint<EventKind::break_joint>(id);
     }
     // True of a joint that has been added and not been removed. It goes with either of its bodies.
     [[nodiscard]] bool contains(JointId id) const requires(features.has_joints()) {
@@ -356,6 +363,7 @@ public:
             });
         if constexpr (features.impulses)
             impulses_.for_each_due(now(), [&](const Impulse<N>& impulse) { apply(impulse); });
+        if constexpr (features.has_joints() && features.joint_breaks) break_overloaded();
         if constexpr (features.forces && has_loads) advance_.loads.start_step(now(), [&](int b) { disturb(b); });
         remember_all();
         if constexpr (Advance::has_wrenches) advance_.wrenches.start_step(advance_.bodies);
@@ -434,6 +442,8 @@ public:
     template <class T>
     [[nodiscard]] JointReadout<T> joint(JointId id) const requires(features.has_joints()) {
         TUMBLE_ASSERT(contains(id));
+        if constexpr (features.joint_breaks)
+            if (!advance_.joints.holds(id.index())) return {.broken = true};
         const tumble::detail::JointReader<N, features, Bodies> reader{advance_.joints, advance_.bodies, id.index(),
                                                                       steps_per_second()};
         return reader.template read<T>();
@@ -664,7 +674,13 @@ private:
     template <class Timed>
     constexpr void require_bodies(Span<Timed> events) const {
         for (const Timed& event : events)
-            if (!is_of_world(event)) (void)advance_.bodies.index_of(event.body);
+            if (!is_of_world(event) && !is_of_joint(event)) (void)advance_.bodies.index_of(event.body);
+    }
+    // True of an event of a joint.
+    template <class Timed>
+    [[nodiscard]] static constexpr bool is_of_joint([[maybe_unused]] const Timed& event) {
+        if constexpr (features.has_joints() && requires { event.kind; }) return has_joint(event.kind);
+        else return false;
     }
     // True of an event that has no body. Without Features::control there is none.
     template <class Timed>
@@ -673,7 +689,11 @@ private:
         else return false;
     }
     // False of an event whose body has been removed.
-    [[nodiscard]] bool has_target(const Event<N>& event) const { return is_of_world(event) || contains(event.body); }
+    [[nodiscard]] bool has_target(const Event<N>& event) const {
+        if constexpr (features.has_joints())
+            if (is_of_joint(event)) return contains(event.joint());
+        return is_of_world(event) || contains(event.body);
+    }
     void apply_event(const Event<N>& e) {
         switch (e.kind) {
         case EventKind::impulse: return act<EventKind::impulse>(e.body, e.frame, e.value, e.point);
@@ -690,7 +710,49 @@ private:
             TUMBLE_ASSERT(features.control && e.frame == Frame::world);
             if constexpr (features.control) act_on_world(e.value);
             return;
+        case EventKind::break_joint:
+        case EventKind::remove_joint:
+            Required::by(e.kind);
+            if constexpr (features.has_joints()) {
+                if (e.kind == EventKind::remove_joint) act_on_joint<EventKind::remove_joint>(e.joint());
+                else act_on_joint<EventKind::break_joint>(e.joint());
+            }
+            return;
         }
+    }
+    // An event of a joint.
+    template <EventKind kind>
+    void act_on_joint(JointId id) requires(features.has_joints()) {
+        Required::by(kind);
+        TUMBLE_ASSERT(contains(id));
+        if constexpr (features.recording)
+            if (recording_ != nullptr) recording_->append(Event<N>::of_joint(kind, id), now());
+        const auto& record = advance_.joints.record(id.index());
+        const int sides[] = {record.side[0].body, record.side[1].body};
+        if constexpr (kind == EventKind::remove_joint) advance_.remove_joint(id.index());
+        else if constexpr (features.joint_breaks) advance_.break_joint(id.index());
+        if constexpr (has_contacts)
+            for (const int b : sides)
+                if (b >= 0) disturb(b);
+    }
+    // Breaks the joints that the end of the last step has loaded beyond their strength. An event that changes
+    // velocities does not count: it is shared by the tree without time.
+    void break_overloaded() requires(features.joint_breaks) {
+        bool is_overloaded[features.joints];
+        for (int j = 0; j < features.joints; ++j) {
+            is_overloaded[j] = false;
+            const auto& strength = advance_.joints.strength(j);
+            if (!advance_.joints.holds(j) || !strength.has_limits()) continue;
+            WorkVec3<N> force, torque;
+            tumble::detail::JointReader<N, features, Bodies>{advance_.joints, advance_.bodies, j, steps_per_second()}
+                .load(force, torque);
+            const auto exceeds = [](const WorkVec3<N>& load, Work limit) {
+                return limit > Work(0) && Work(dot(load, load)) > limit * limit;
+            };
+            is_overloaded[j] = exceeds(force, strength.force) || exceeds(torque, strength.torque);
+        }
+        for (int j = 0; j < features.joints; ++j)
+            if (is_overloaded[j]) act_on_joint<EventKind::break_joint>({j, advance_.joints.generation(j)});
     }
     // The event without a body.
     void act_on_world(const InputVector<N>& gravity) requires(features.control) {

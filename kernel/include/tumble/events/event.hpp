@@ -44,6 +44,8 @@ enum class EventKind : std::uint8_t {
     pose,              // value: m, world; `orientation`
     remove,            // the body leaves the world; needs Features::removal
     gravity,           // value: m/s^2, world; of all bodies, so `body` is not used; needs Features::control
+    break_joint,       // the joint breaks; `body` is its id: Event::of_joint(); needs Features::joint_breaks
+    remove_joint,      // the joint leaves the world; likewise; needs Features::removal
 };
 
 // The name of a kind, as scene files write it: angular_impulse.
@@ -59,12 +61,16 @@ enum class EventKind : std::uint8_t {
     case EventKind::angular_velocity: return "angular_velocity";
     case EventKind::pose: return "pose";
     case EventKind::remove: return "remove";
+    case EventKind::break_joint: return "break_joint";
+    case EventKind::remove_joint: return "remove_joint";
     default: return "gravity";
     }
 }
 
 // True of an event that has a body.
-[[nodiscard]] constexpr bool has_body(EventKind kind) { return kind != EventKind::gravity; }
+[[nodiscard]] constexpr bool has_body(EventKind kind) { return kind < EventKind::gravity; }
+// True of an event of a joint.
+[[nodiscard]] constexpr bool has_joint(EventKind kind) { return kind > EventKind::gravity; }
 
 // An event of a body or of gravity, in the working numbers of its world. World::apply() applies it before the next
 // step.
@@ -74,11 +80,18 @@ struct Event {
 
     EventKind kind = EventKind::impulse;  // what happens
     Frame frame = Frame::world;           // of `value`; body: the user's body axes
-    BodyId body{};                        // which body; none of gravity
+    BodyId body{};                        // which body; none of gravity; of a joint's event the joint: joint()
     InputVector<N> value{};               // see the kind
     InputVector<N> point{};               // m, user's body axes, from the centre of mass
     Quaternion<Work> orientation{};       // user's body axes to world; normalised when applied
     std::uint64_t step = 0;               // in a script: applied before this step is taken; else without meaning
+
+    // What happens to a joint.
+    [[nodiscard]] static constexpr Event of_joint(EventKind kind, JointId id) {
+        return {kind, Frame::world, BodyId{id.index(), id.generation()}, {}, {}, {}, 0};
+    }
+    // The joint of such an event.
+    [[nodiscard]] constexpr JointId joint() const { return {body.index(), body.generation()}; }
 };
 
 namespace detail {

@@ -11,11 +11,11 @@ namespace tumble {
 struct EventSpec {
     Real time = 0;                        // s, rounded to the nearest step; the event comes before that step
     EventKind kind = EventKind::impulse;  // what happens
-    BodyIndex body = 0;                   // its id, or its number in the order of add(); not used by gravity
-    Frame frame = Frame::world;           // of `value`
-    RealVec3 value{};                     // see EventKind
-    RealVec3 point{};                     // m, user's body axes, from the centre of mass
-    RealQuat orientation{};               // user's body axes to world
+    BodyIndex body = 0;  // its id, or its number in the order of add(); not used by gravity; of a joint its place
+    Frame frame = Frame::world;  // of `value`
+    RealVec3 value{};            // see EventKind
+    RealVec3 point{};            // m, user's body axes, from the centre of mass
+    RealQuat orientation{};      // user's body axes to world
 };
 
 namespace detail {
@@ -25,7 +25,7 @@ template <class N>
 [[nodiscard]] constexpr Event<N> event_of(const EventSpec& spec, Real step_length) {
     return {spec.kind,
             spec.frame,
-            has_body(spec.kind) ? BodyId{spec.body} : BodyId{},
+            spec.kind != EventKind::gravity ? BodyId{spec.body} : BodyId{},
             spec.value,
             spec.point,
             spec.orientation.template as<typename N::Work>(),

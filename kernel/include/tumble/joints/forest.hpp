@@ -35,6 +35,17 @@ struct JointRange {
     [[nodiscard]] Length length() const { return end < 0 ? least : most; }
 };
 
+// What a joint bears, and whether it has broken.
+template <class N>
+struct JointStrength {
+    using Work = typename N::Work;
+
+    Work force{}, torque{};  // N, N m; 0: anything
+    bool is_broken = false;
+
+    [[nodiscard]] bool has_limits() const { return force > Work(0) || torque > Work(0); }
+};
+
 // The bodies of a tree, and what the next step has to do before it begins.
 struct JointTreeState {
     std::int16_t first = 0, last = 0;  // nodes
@@ -79,6 +90,8 @@ public:
         if (is_base(bodies, a) && is_base(bodies, b)) return JointFault::no_moving_body;
         if (!bodies.rotates(a) || (b >= 0 && !bodies.rotates(b))) return JointFault::point_mass;
         if (const JointFault fault = JointKinds::Of<Spec>::fault_of(spec); fault != JointFault::none) return fault;
+        if (detail::break_force_of(spec).is_negative() || detail::break_torque_of(spec).is_negative())
+            return JointFault::bad_strength;
         if (const JointFault fault = detail::fault_of_springs(spec, JointKinds::turns_of_springs<Spec>);
             fault != JointFault::none)
             return fault;
@@ -107,6 +120,9 @@ public:
         for (int i = 0; i < 3; ++i)
             joint.anchor[i] = N::template Integrated<typename N::Position>::from(detail::anchor_of(spec, 1)[i]);
         if constexpr (features.distances && requires { spec.most; }) set_range(range_[place], spec);
+        if constexpr (features.joint_breaks)
+            strength_[place] = {N::template constant<typename N::Work>(detail::break_force_of(spec)),
+                                N::template constant<typename N::Work>(detail::break_torque_of(spec)), false};
         order(bodies);
         const int moving = is_base(bodies, spec.body) ? spec.to_body : spec.body;
         forget(moving);
@@ -124,6 +140,21 @@ public:
         ++joint.generation;
         for (const auto& side : joint.side) forget(side.body);
         order(bodies);
+    }
+    // It holds nothing any more, and keeps its place.
+    TUMBLE_COLD void break_apart(int place, const auto& bodies) requires(features.joint_breaks) {
+        strength_[place].is_broken = true;
+        for (const auto& side : record_[place].side) forget(side.body);
+        order(bodies);
+    }
+    // True of a joint that is there and has not broken.
+    [[nodiscard]] bool holds(int place) const {
+        if constexpr (features.joint_breaks)
+            if (strength_[place].is_broken) return false;
+        return record_[place].is_there;
+    }
+    [[nodiscard]] const JointStrength<N>& strength(int place) const requires(features.joint_breaks) {
+        return strength_[place];
     }
     // Of a body that leaves the world: removes its joints.
     void remove_from(int b, const auto& bodies) {
@@ -255,10 +286,12 @@ public:
 
     // Writes or reads what the next step depends on beside the poses.
     template <class Self, class Archive>
-    static void archive(Self& self, Archive& to) {
+    static void archive(Self& self, [[maybe_unused]] const auto& bodies, Archive& to) {
+        if constexpr (features.joint_breaks) return archive_with_broken(self, bodies, to);
         for (int t = 0; t < self.tree_count_; ++t) {
             auto& tree = self.tree_[t];
             to(tree.is_disturbed, tree.is_moved);
+            if constexpr (features.joint_springs) to(tree.is_new);
             (void)to.within(tree.halvings, 0, most_halvings);
             if constexpr (Archive::reads) tree.is_factored = false;
             for (int i = tree.first; i < tree.last; ++i) to(self.kick_[i]);
@@ -284,6 +317,10 @@ public:
                     for (int i = 0; i < 3; ++i) digest.add_number(vector[i]);
             }
             digest.add_number(joint.anchor);
+            if constexpr (features.joint_breaks) {
+                digest.add_number(strength_[j].force);
+                digest.add_number(strength_[j].torque);
+            }
             if constexpr (features.distances) {
                 J::add_to(digest, range_[j].least);
                 J::add_to(digest, range_[j].most);
@@ -292,6 +329,53 @@ public:
     }
 
 private:
+    // The trees follow from what has broken: by bodies and joints, of which there are as many in every state.
+    template <class Self, class Archive>
+    static void archive_with_broken(Self& self, const auto& bodies, Archive& to) requires(features.joint_breaks) {
+        bool is_other = false;
+        for (int j = 0; j < room; ++j) {
+            bool is_broken = self.strength_[j].is_broken;
+            to(is_broken);
+            is_other = is_other || is_broken != self.strength_[j].is_broken;
+            if constexpr (Archive::reads) self.strength_[j].is_broken = is_broken;
+        }
+        if constexpr (Archive::reads)
+            if (is_other) self.order(bodies);
+        for (int b = 0; b < bodies.count; ++b) {
+            const int i = self.node_of_body(b);
+            JointTreeState tree = i < 0 ? JointTreeState{} : self.tree_at(i);
+            Kicks kick{};
+            if (i >= 0) kick = self.kick_[i];
+            int halvings = tree.halvings;
+            to(kick, tree.is_disturbed, tree.is_moved, tree.is_new);
+            halvings = to.within(halvings, 0, most_halvings);
+            if constexpr (Archive::reads)
+                if (i >= 0) {
+                    JointTreeState& own = *self.tree_of(b);
+                    self.kick_[i] = kick;
+                    own.is_disturbed = tree.is_disturbed;
+                    own.is_moved = tree.is_moved;
+                    own.is_new = tree.is_new;
+                    own.halvings = static_cast<std::int8_t>(halvings);
+                    own.is_factored = false;
+                }
+        }
+        if constexpr (features.distances)
+            for (int j = 0; j < room; ++j) {
+                int end = self.range_[j].end;
+                end = to.within(end, -1, 1);
+                if constexpr (Archive::reads) self.range_[j].end = static_cast<std::int8_t>(end);
+            }
+        if constexpr (Archive::reads && features.distances)
+            for (int i = 0; i < self.node_count_; ++i)
+                if (self.node_[i].keeps_distance()) self.set_end(self.node_[i], self.range(self.node_[i]).end);
+    }
+    // -1 of a body without a joint that holds.
+    [[nodiscard]] int node_of_body(int b) const {
+        for (int i = 0; i < node_count_; ++i)
+            if (node_[i].body == b) return i;
+        return -1;
+    }
     TUMBLE_COLD [[nodiscard]] static constexpr bool is_far(const auto& bodies, int b, const RealVec3& anchor) {
         if (!N::fixed_point || b < 0) return false;
         const RealVec3 arm = from_centre(bodies, b, anchor);
@@ -434,7 +518,7 @@ private:
     // The body at the other side of joint j, if b is at one; else `none`.
     [[nodiscard]] int other_of(int j, int b) const {
         const Record& joint = record_[j];
-        if (!joint.is_there) return none;
+        if (!holds(j)) return none;
         for (int side = 0; side < 2; ++side)
             if (joint.side[side].body == b) return joint.side[1 - side].body;
         return none;
@@ -562,6 +646,7 @@ private:
     }
 
     Record record_[room]{};
+    [[no_unique_address]] If<features.joint_breaks, JointStrength<N>[room], 25> strength_ {};
     [[no_unique_address]] If<features.distances, JointRange<N>[room], 22> range_ {};
     Node node_[most_nodes]{};
     Kicks kick_[most_nodes]{};

@@ -14,6 +14,8 @@ struct HingeSpec {
     RealVec3 anchor{};       // m, world; a point of the axis
     RealVec3 axis{0, 0, 1};  // world, from `to_body` to `body`; of any length but zero
     JointSpring spring{};    // about the axis; needs Features::joint_springs, as all springs of joints
+    Real break_force = 0;    // N; a larger force breaks it; 0: none does; needs Features::joint_breaks
+    Real break_torque = 0;   // N m; likewise
 };
 // All rotations about a point: a shoulder, a link of a chain.
 struct BallSpec {
@@ -21,12 +23,16 @@ struct BallSpec {
     BodyIndex to_body = -1;  // the other body; -1: the world
     RealVec3 anchor{};       // m, world
     JointSpring spring{};    // against the whole turn; it rests where the joint is added
+    Real break_force = 0;    // N; a larger force breaks it; 0: none does; needs Features::joint_breaks
+    Real break_torque = 0;   // N m; likewise
 };
 // No motion: two bodies become one, and the force between them can be read.
 struct FixedSpec {
     BodyIndex body = 0;      // its id, or its number in the order of add()
     BodyIndex to_body = -1;  // the other body; -1: the world
     RealVec3 anchor{};       // m, world; force and torque are those at this point
+    Real break_force = 0;    // N; a larger force breaks it; 0: none does; needs Features::joint_breaks
+    Real break_torque = 0;   // N m; likewise
 };
 // A translation along one axis, without rotation: a piston, a drawer, a telescopic leg.
 struct SliderSpec {
@@ -35,6 +41,8 @@ struct SliderSpec {
     RealVec3 anchor{};       // m, world; the point of `body` that stays on the axis
     RealVec3 axis{1, 0, 0};  // world; of any length but zero; travel along it is positive
     JointSpring spring{};    // along the axis
+    Real break_force = 0;    // N; a larger force breaks it; 0: none does; needs Features::joint_breaks
+    Real break_torque = 0;   // N m; likewise
 };
 // Rotations about two axes that stay perpendicular, one of each body: a cardan joint.
 struct UniversalSpec {
@@ -45,6 +53,8 @@ struct UniversalSpec {
     RealVec3 to_axis{0, 1, 0};  // world; fixed in `to_body`; perpendicular to `axis` to 2^-10 rad
     JointSpring spring{};       // about `axis`
     JointSpring to_spring{};    // about `to_axis`
+    Real break_force = 0;       // N; a larger force breaks it; 0: none does; needs Features::joint_breaks
+    Real break_torque = 0;      // N m; likewise
 };
 // A distance of two points within a range. A rod has least == most, a rope has least == 0: it pulls where it is taut,
 // and does nothing while it is slack. Going taut ends the rate of the distance, as an impact without restitution does.
@@ -57,6 +67,7 @@ struct DistanceSpec {
     Real least = 0;          // m, not negative, at most `most`
     Real most = 0;           // m, positive; the points are in the range when the joint is added, to 2^-20 of it
     JointSpring spring{};    // along the line between the points
+    Real break_force = 0;    // N; a larger force breaks it; 0: none does; needs Features::joint_breaks
 };
 
 // Why a joint cannot be added: World::fault_of(). With the last two add() returns the id of nothing. The others are
@@ -71,6 +82,7 @@ enum class JointFault : std::uint8_t {
     axes_not_perpendicular,  // of a universal joint
     empty_range,             // of a distance: least is negative or above most, or most is not positive
     outside_range,           // the points of a distance are nearer than least or farther than most
+    bad_strength,            // a negative break_force or break_torque
     bad_spring,              // a negative stiffness or damping, or a rest that the angle or the length never has
     too_far,                 // fixed point: an anchor, or a distance, of more than 4096 m from a centre of mass
     moving_base,             // a fixed side that moves by itself: a kinematic body, or a turntable
@@ -91,6 +103,7 @@ enum class JointFault : std::uint8_t {
     case JointFault::axes_not_perpendicular: return "axes_not_perpendicular";
     case JointFault::empty_range: return "empty_range";
     case JointFault::outside_range: return "outside_range";
+    case JointFault::bad_strength: return "bad_strength";
     case JointFault::bad_spring: return "bad_spring";
     case JointFault::too_far: return "too_far";
     case JointFault::moving_base: return "moving_base";
@@ -106,6 +119,12 @@ enum class JointFault : std::uint8_t {
 
 namespace detail {
 
+// N and N m: what a joint bears; 0: anything.
+[[nodiscard]] constexpr Real break_force_of(const auto& spec) { return spec.break_force; }
+[[nodiscard]] constexpr Real break_torque_of([[maybe_unused]] const auto& spec) {
+    if constexpr (requires { spec.break_torque; }) return spec.break_torque;
+    else return {};
+}
 // The first and the second spring of a joint, as far as its kind has them.
 [[nodiscard]] constexpr JointSpring spring_of(const auto& spec, int i) {
     if constexpr (requires { spec.to_spring; }) return i == 0 ? spec.spring : spec.to_spring;

@@ -19,6 +19,7 @@ struct JointReadout {
     T to_speed{};         // rad/s, of `to_angle`
     Vector3<T> force{};   // N, world axes: on `body` by the joint, at the end of the last step
     Vector3<T> torque{};  // N m, world axes, about the anchor: likewise; about free axes it is zero
+    bool broken = false;  // it holds nothing, and all of the above is zero
     int at_limit = 0;     // of a distance: 1 where it is held at its most, -1 at its least, 0 where it is slack
     int corrections = 0;  // of its tree in the last step, in all parts of it; not kept in a snapshot
 };
@@ -68,6 +69,9 @@ public:
         to.corrections = forest_.tree_at(node_).corrections;
         return to;
     }
+
+    // N and N m, on `body` at the anchor, world: at the end of the last step.
+    void load(Vector& force, Vector& torque) const { set_load(force, torque); }
 
 private:
     const Forest& forest_;

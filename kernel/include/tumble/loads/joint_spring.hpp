@@ -32,6 +32,7 @@ public:
         entry = Entry{};
         if (!spring[0].acts() && !spring[1].acts()) return note(all);
         entry.along = along;
+        entry.is_on = true;
         for (int i = 0; i < 2; ++i) {
             entry.side[i] = side[i];
             entry.stiffness[i] = N::template constant<Work>(spring[i].stiffness);
@@ -41,10 +42,12 @@ public:
         for (int i = 0; i < 3; ++i) entry.anchor[i] = anchor[i];
         note(all);
     }
-    // Forgets the springs of joints that are not there any more.
-    TUMBLE_COLD void keep(auto&& is_there, const auto& all) {
-        for (int j = 0; j < joints; ++j)
+    // Forgets the springs of joints that are not there any more. Those of joints that hold nothing do nothing.
+    TUMBLE_COLD void keep(auto&& is_there, auto&& holds, const auto& all) {
+        for (int j = 0; j < joints; ++j) {
             if (!is_there(j)) entry_[j] = Entry{};
+            entry_[j].is_on = entry_[j].along != Along::nothing && holds(j);
+        }
         note(all);
     }
     // N m/rad or N/m, and with the time in seconds: of spring i of a joint.
@@ -69,7 +72,7 @@ public:
     template <class F>
     void for_each_coupled(const auto& all, int b, F&& f) const {
         for (const Entry& entry : entry_) {
-            if (entry.along == Along::nothing) continue;
+            if (!entry.is_on) continue;
             for (int side = 0; side < 2; ++side) {
                 const int other = entry.side[1 - side].body;
                 if (entry.side[side].body == b && other >= 0 && !all.constants[other].fixed()) f(other);
@@ -83,7 +86,7 @@ public:
     void apply_to(const Group& group) const {
         if constexpr (Group::rotation)
             for (const Entry& entry : entry_) {
-                if (entry.along == Along::nothing) continue;
+                if (!entry.is_on) continue;
                 const End<Group> own{group, entry.side[0]}, other{group, entry.side[1]};
                 if (own.place < 0 && other.place < 0) continue;
                 if (entry.along == Along::slide || entry.along == Along::line) pull(group, entry, own, other);
@@ -94,6 +97,7 @@ public:
 private:
     struct Entry {
         Along along = Along::nothing;
+        bool is_on = false;
         Side side[2]{};
         typename N::PositionSum anchor[3]{};  // in the world, where it is the other side
         Work stiffness[2]{}, damping[2]{}, rest[2]{};
@@ -145,7 +149,7 @@ private:
         for (int b = 0; b < bodies; ++b) acts_[b] = couples_[b] = false;
         is_damped_ = false;
         for (const Entry& entry : entry_) {
-            if (entry.along == Along::nothing) continue;
+            if (!entry.is_on) continue;
             is_damped_ = is_damped_ || entry.damping[0] > Work(0) || entry.damping[1] > Work(0);
             const auto moves = [&](int side) {
                 const int b = entry.side[side].body;

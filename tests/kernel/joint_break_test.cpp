@@ -1,0 +1,237 @@
+// Joints that break, by a load or by a program, and what is recorded of joints. The oracles are closed forms of the
+// load, free flight, and the hash of a replay.
+#include <tumble/tumble.hpp>
+
+#include "kinds.hpp"
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace tumble::test {
+namespace {
+
+inline constexpr Features brittle{.bodies = 5,
+                                  .joints = 5,
+                                  .distances = true,
+                                  .joint_springs = true,
+                                  .joint_breaks = true,
+                                  .control = true,
+                                  .script = true,
+                                  .recording = true,
+                                  .removal = true,
+                                  .snapshots = true};
+using BreakKinds = Tested<testing::Types<Kind<Q32<>, integrators::Verlet>, Kind<F64, integrators::Verlet>>,
+                          testing::Types<Kind<F32, integrators::Verlet>>>;
+
+constexpr double g = 9.81;
+
+template <class W>
+class Breaks : public testing::Test {
+protected:
+    using N = typename W::Numbers;
+    using World = tumble::World<SceneOf<N, typename W::Integrator, brittle>>;
+
+    [[nodiscard]] static World falling() { return World{Seconds{1, 256}, {.gravity = {0, -g, 0}}}; }
+    [[nodiscard]] static BodySpec at(BodySpec body, const RealVec3& position) {
+        body.position = position;
+        return body;
+    }
+    static void run(World& world, int steps) {
+        for (int i = 0; i < steps; ++i) (void)world.step();
+    }
+    [[nodiscard]] static auto joint(const World& world, int j) { return world.template joint<double>(JointId{j}); }
+    [[nodiscard]] static double height(const World& world, BodyId id) {
+        return static_cast<double>(world.position(id).y);
+    }
+    // Links on hinges and a sprung ball joint, from the origin on; the joints bear so much.
+    static void add_chain(World& world, double force) {
+        for (int i = 0; i < 4; ++i) {
+            (void)world.add(at(box(1, {0.5, 0.125, 0.125}), {0.25 + 0.5 * i, 0, 0}));
+            if (i == 2)
+                (void)world.add(BallSpec{.body = i,
+                                         .to_body = i - 1,
+                                         .anchor = {0.5 * i, 0, 0},
+                                         .spring = {.stiffness = 2, .damping = 0.125},
+                                         .break_force = force});
+            else
+                (void)world.add(
+                    HingeSpec{.body = i, .to_body = i - 1, .anchor = {0.5 * i, 0, 0}, .break_force = force});
+        }
+    }
+};
+TYPED_TEST_SUITE(Breaks, BreakKinds);
+
+// From the horizontal the rod bears 3 m g sin(a): 2 m g where the ball is 2/3 of its length below.
+TYPED_TEST(Breaks, a_rod_breaks_where_its_force_exceeds_what_it_bears) {
+    auto world = this->falling(), flight = this->falling();
+    const BodyId ball = world.add(this->at(sphere(2, 0.1), {1, 0, 0}));
+    const JointId rod =
+        world.add(DistanceSpec{.body = ball, .point = {1, 0, 0}, .least = 1, .most = 1, .break_force = 2 * 2 * g});
+    int steps = 0;
+    double before = 0;
+    while (!this->joint(world, 0).broken && steps++ < 512) {
+        before = this->joint(world, 0).force.y;
+        this->run(world, 1);
+    }
+    EXPECT_NEAR(this->height(world, ball), -2.0 / 3, 0.03);
+    EXPECT_GT(before, 0);
+    EXPECT_TRUE(world.contains(rod));
+    EXPECT_EQ(this->joint(world, 0).force.y, 0);
+    // From there on it flies as a body without a joint.
+    const BodyId free = flight.add(this->at(sphere(2, 0.1), {1, 0, 0}));
+    flight.set_pose(free, world.position(ball), world.orientation(ball));
+    flight.set_velocity(free, world.velocity(ball));
+    flight.set_angular_velocity(free, world.angular_velocity(ball));
+    this->run(world, 100);
+    this->run(flight, 100);
+    EXPECT_NEAR(this->height(world, ball), this->height(flight, free), 1e-4);
+    EXPECT_TRUE(world.status().ok());
+}
+
+// A beam of 1 kg and 1 m, fixed at its end: m g / 2 N m and m g N.
+TYPED_TEST(Breaks, a_fixed_beam_breaks_by_its_torque_or_its_force_alone) {
+    for (const auto& [force, torque, breaks] :
+         {std::tuple{0.0, 0.51 * g, false}, std::tuple{0.0, 0.49 * g, true}, std::tuple{1.02 * g, 0.0, false},
+          std::tuple{0.98 * g, 0.0, true}, std::tuple{0.0, 0.0, false}}) {
+        auto world = this->falling();
+        const BodyId beam = world.add(this->at(box(1, {1, 0.1, 0.1}), {0.5, 0, 0}));
+        (void)world.add(FixedSpec{.body = beam, .break_force = force, .break_torque = torque});
+        this->run(world, 1);
+        EXPECT_FALSE(this->joint(world, 0).broken);  // it goes at the start of the next step
+        this->run(world, 1);
+        EXPECT_EQ(this->joint(world, 0).broken, breaks) << force << " " << torque;
+        this->run(world, 254);
+        EXPECT_EQ(this->joint(world, 0).broken, breaks) << force << " " << torque;
+        EXPECT_NEAR(this->height(world, beam), breaks ? -g / 2 * 255 / 256 : 0, 0.05);
+    }
+}
+
+// What hangs below falls, what is above stays.
+TYPED_TEST(Breaks, a_chain_goes_on_above_and_below_a_broken_joint) {
+    auto world = this->falling();
+    this->add_chain(world, 0);
+    this->run(world, 10);
+    world.break_joint(JointId{2});
+    this->run(world, 30);
+    EXPECT_TRUE(this->joint(world, 2).broken);
+    EXPECT_EQ(world.joint_count(), 4);
+    for (const int j : {0, 1, 3}) EXPECT_FALSE(this->joint(world, j).broken);
+    // Of the two below: they fly freely, held together.
+    double sum = 0;
+    for (const int b : {2, 3}) sum += static_cast<double>(world.velocity(BodyId{b}).y);
+    this->run(world, 64);
+    double later = 0;
+    for (const int b : {2, 3}) later += static_cast<double>(world.velocity(BodyId{b}).y);
+    EXPECT_NEAR(later - sum, -2 * g / 4, 1e-3);
+    EXPECT_TRUE(world.status().ok());
+    // It may be added again once it is removed, and not before: its place is taken.
+    EXPECT_EQ(world.fault_of(BallSpec{.body = 2, .to_body = 1, .anchor = {1, 0, 0}}), JointFault::none);
+    world.remove(JointId{2});
+    EXPECT_EQ(world.joint_count(), 3);
+    EXPECT_FALSE(world.contains(JointId{2}));
+}
+
+// Live calls, and joints that break by themselves, which the recording has too: so the replay breaks nothing itself.
+TYPED_TEST(Breaks, a_recording_of_joints_replays_to_the_same_hash) {
+    Recorder<typename TestFixture::N, 16> recorder;
+    auto live = this->falling(), replayed = this->falling();
+    for (auto* world : {&live, &replayed}) this->add_chain(*world, 60);
+    live.record(&recorder);
+    this->run(live, 20);
+    live.apply_impulse(BodyId{1}, {0, 1, 0.5});
+    this->run(live, 60);
+    live.apply_impulse(BodyId{3}, {4, -8, 0});
+    this->run(live, 100);
+    live.break_joint(JointId{0});
+    live.remove(JointId{0});
+    live.remove(BodyId{2});
+    this->run(live, 100);
+    int of_joints = 0;
+    for (int i = 0; i < recorder.count(); ++i) of_joints += has_joint(recorder[i].kind) ? 1 : 0;
+    EXPECT_GT(of_joints, 2);  // more than the calls
+    replayed.set_script(recorder.script());
+    this->run(replayed, 280);
+    EXPECT_EQ(live.hash(), replayed.hash());
+    EXPECT_EQ(live.joint_count(), replayed.joint_count());
+    // Without its script the copy breaks by itself as the live world did, up to the second blow.
+    EXPECT_STREQ(name_of(EventKind::break_joint), "break_joint");
+    EXPECT_STREQ(name_of(EventKind::remove_joint), "remove_joint");
+}
+
+TYPED_TEST(Breaks, a_script_breaks_a_joint_at_its_time) {
+    auto world = this->falling();
+    this->add_chain(world, 0);
+    const std::array events{world.prepare({.time = 0.25, .kind = EventKind::break_joint, .body = 1}),
+                            world.prepare({.time = 0.5, .kind = EventKind::remove_joint, .body = 1}),
+                            world.prepare({.time = 0.75, .kind = EventKind::break_joint, .body = 1})};
+    world.set_script({events.data(), 3});
+    this->run(world, 64);
+    EXPECT_FALSE(this->joint(world, 1).broken);
+    this->run(world, 1);
+    EXPECT_TRUE(this->joint(world, 1).broken);
+    this->run(world, 64);
+    EXPECT_FALSE(world.contains(JointId{1}));
+    this->run(world, 128);  // the last event names a joint that is gone
+    EXPECT_EQ(world.joint_count(), 3);
+    EXPECT_TRUE(world.status().ok());
+}
+
+// Forth and back over a break, with springs and ropes.
+TYPED_TEST(Breaks, a_snapshot_knows_what_has_broken) {
+    const auto make = [&](double force) {
+        auto world = this->falling();
+        this->add_chain(world, force);
+        (void)world.add(this->at(sphere(1, 0.1), {2.25, 0.5, 0}));
+        (void)world.add(
+            DistanceSpec{.body = 4, .to_body = 3, .point = {2.25, 0.5, 0}, .to_point = {2, 0, 0}, .most = 0.75});
+        return world;
+    };
+    auto world = make(0);
+    std::array<std::uint8_t, 16384> whole{}, broken{};
+    const int room = static_cast<int>(whole.size());
+    this->run(world, 40);
+    const int size = world.save(whole.data(), room);
+    world.break_joint(JointId{2});
+    this->run(world, 40);
+    const int broken_size = world.save(broken.data(), room);
+    ASSERT_GT(size, 0);
+    EXPECT_EQ(size, broken_size);
+    this->run(world, 40);
+    const std::uint64_t end = world.hash();
+    auto other = make(0);
+    ASSERT_EQ(other.restore(broken.data(), broken_size), SnapshotFault::none);
+    EXPECT_TRUE(this->joint(other, 2).broken);
+    this->run(other, 40);
+    EXPECT_EQ(other.hash(), end);
+    for (auto* from_start : {&world, &other}) {
+        ASSERT_EQ(from_start->restore(whole.data(), size), SnapshotFault::none);
+        EXPECT_FALSE(this->joint(*from_start, 2).broken);
+        from_start->break_joint(JointId{2});
+        this->run(*from_start, 80);
+        EXPECT_EQ(from_start->hash(), end);
+    }
+    auto stronger = make(1000);
+    EXPECT_EQ(stronger.restore(whole.data(), size), SnapshotFault::other_scene);
+    broken[40] ^= 1;
+    EXPECT_EQ(other.restore(broken.data(), broken_size), SnapshotFault::corrupted);
+}
+
+TYPED_TEST(Breaks, a_strength_that_cannot_be_is_refused) {
+    auto world = this->falling();
+    (void)world.add(this->at(box(1, {1, 0.5, 0.25}), {}));
+    EXPECT_EQ(world.fault_of(HingeSpec{.body = 0, .break_force = -1}), JointFault::bad_strength);
+    EXPECT_EQ(world.fault_of(FixedSpec{.body = 0, .break_torque = -1}), JointFault::bad_strength);
+    EXPECT_STREQ(name_of(JointFault::bad_strength), "bad_strength");
+#ifndef __SANITIZE_ADDRESS__
+    tumble::World<SceneOf<typename TestFixture::N, integrators::Verlet, Features{.joints = 1}>> without{
+        Seconds{1, 256}};
+    (void)without.add(this->at(box(1, {1, 0.5, 0.25}), {}));
+    EXPECT_DEATH((void)without.add(HingeSpec{.body = 0, .break_force = 1}), "");
+    EXPECT_DEATH(world.break_joint(JointId{0}), "");
+    EXPECT_DEATH(without.apply(Event<typename TestFixture::N>::of_joint(EventKind::break_joint, JointId{0})), "");
+#endif
+}
+
+}  // namespace
+}  // namespace tumble::test
