@@ -432,6 +432,7 @@ private:
                            damping = loads.joint_springs().damping(node.joint, k);
                 if (!(stiffness > Work(0)) && !(damping > Work(0))) continue;
                 const Work inertia = joints.inertia_along(node, k) / seconds_of_step();
+                if (!(inertia > Work(0))) continue;
                 for (int s = 0; s < StepBounds::sums; ++s)
                     if (inertia < spring_bounds.of_spring[s] * stiffness + spring_bounds.of_damper[s] * damping)
                         bodies.report(Issue::step_too_long, node.body);

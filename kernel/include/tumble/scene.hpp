@@ -19,6 +19,7 @@ struct Features {
     int joints = 0;                   // room for joints; needs rotation; jointed bodies touch nothing yet
     bool distances = false;           // joints may keep a distance: DistanceSpec
     bool joint_springs = false;       // joints may have springs and dampers: JointSpring
+    bool joint_limits = false;        // hinges and sliders may have limits: JointLimits
     bool joint_breaks = false;        // joints may break: break_force, break_torque, World::break_joint()
     int near_pairs = 0;               // room for pairs that are near each other at one time; 0: the usual room
     bool rotation = true;             // bodies rotate; if false, all of them are point masses
@@ -65,6 +66,7 @@ struct Features {
         f("joints", &Features::joints);
         f("distances", &Features::distances);
         f("joint_springs", &Features::joint_springs);
+        f("joint_limits", &Features::joint_limits);
         f("joint_breaks", &Features::joint_breaks);
         f("near_pairs", &Features::near_pairs);
         f("rotation", &Features::rotation);
@@ -136,6 +138,8 @@ struct Features {
     [[nodiscard]] constexpr bool grid() const { return contacts() && pairs && bodies > 64; }
     // True if joints may tie bodies.
     [[nodiscard]] constexpr bool has_joints() const { return bodies > 0 && joints > 0; }
+    // True if joints may have a range, at whose ends they are held.
+    [[nodiscard]] constexpr bool has_joint_ranges() const { return distances || joint_limits; }
     // True if joints may have springs.
     [[nodiscard]] constexpr bool has_joint_springs() const { return has_joints() && joint_springs; }
     // True if anything other than gravity may push bodies.

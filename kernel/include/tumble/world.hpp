@@ -178,6 +178,7 @@ public:
         TUMBLE_ASSERT(features.joint_springs || !detail::spring_of(spec, 1).acts());
         TUMBLE_ASSERT(features.joint_breaks ||
                       (detail::break_force_of(spec).is_zero() && detail::break_torque_of(spec).is_zero()));
+        TUMBLE_ASSERT(features.joint_limits || !detail::limits_of(spec).acts());
         const int place = advance_.add(spec);
         if constexpr (has_contacts)
             for (const int b : {static_cast<int>(spec.body), static_cast<int>(spec.to_body)})

@@ -23,15 +23,17 @@ struct JointRecord {
     std::uint16_t generation = 0;  // removals of a joint of this place, modulo 2^16
 };
 
-// The range of a distance, and where in it the distance is.
+// The range of a joint, and the end of it at which it is held.
 template <class N>
 struct JointRange {
     using Length = typename JointNumbers<N>::Open;
+    using Unit = typename N::Unit;
 
-    Length least{}, most{};  // in 2^-gap_bits m
-    std::int8_t end = 0;     // 1: held at most, -1: at least, 0: neither
+    Length least{}, most{};                   // of a distance or a slider, in 2^-gap_bits m
+    Unit cosine[2]{{}, {}}, sine[2]{{}, {}};  // of a hinge, at least and at most
+    bool is_there = false, is_rod = false;
+    std::int8_t end = 0;  // 1: held at most, -1: at least, 0: neither
 
-    [[nodiscard]] bool is_rod() const { return least == most; }
     [[nodiscard]] Length length() const { return end < 0 ? least : most; }
 };
 
@@ -90,6 +92,12 @@ public:
         if (is_base(bodies, a) && is_base(bodies, b)) return JointFault::no_moving_body;
         if (!bodies.rotates(a) || (b >= 0 && !bodies.rotates(b))) return JointFault::point_mass;
         if (const JointFault fault = JointKinds::Of<Spec>::fault_of(spec); fault != JointFault::none) return fault;
+        if (const JointFault fault = detail::fault_of_limits(spec, JointKinds::turns_of_springs < Spec >> 0);
+            fault != JointFault::none)
+            return fault;
+        if constexpr (N::fixed_point)
+            if (detail::limits_of(spec).most > Real{most_arm} || -detail::limits_of(spec).least > Real{most_arm})
+                return JointFault::too_far;
         if (detail::break_force_of(spec).is_negative() || detail::break_torque_of(spec).is_negative())
             return JointFault::bad_strength;
         if (const JointFault fault = detail::fault_of_springs(spec, JointKinds::turns_of_springs<Spec>);
@@ -119,7 +127,11 @@ public:
         set_side(joint.side[1], bodies, spec.to_body, detail::anchor_of(spec, 1), axes.of_other);
         for (int i = 0; i < 3; ++i)
             joint.anchor[i] = N::template Integrated<typename N::Position>::from(detail::anchor_of(spec, 1)[i]);
-        if constexpr (features.distances && requires { spec.most; }) set_range(range_[place], spec);
+        if constexpr (features.has_joint_ranges()) {
+            range_[place] = JointRange<N>{};
+            if constexpr (requires { spec.most; }) set_range(range_[place], spec);
+            else set_range(range_[place], detail::limits_of(spec));
+        }
         if constexpr (features.joint_breaks)
             strength_[place] = {N::template constant<typename N::Work>(detail::break_force_of(spec)),
                                 N::template constant<typename N::Work>(detail::break_torque_of(spec)), false};
@@ -182,10 +194,11 @@ public:
     [[nodiscard]] bool is_in(const JointTreeState& tree, int b) const { return has(tree, b); }
     // kg m^2 or kg: the inertia of what hangs on a node along the free direction of its spring k, with the other side
     // at rest, as the factor has it. Of a ball the least of those of its three directions. Of a distance that is held,
-    // none is free: a spring moves nothing.
+    // none is free: a spring moves nothing. 0 where it is held.
     [[nodiscard]] typename N::Work inertia_along(const Node& node, int k) const {
         using Work = typename N::Work;
         const bool of_line = node.keeps_distance();
+        if (node.slides + node.turns == 0 || (of_line && node.slides == 2)) return Work(0);
         const int count = of_line           ? 1
                           : node.turns == 3 ? 3
                                             : 1,
@@ -222,15 +235,30 @@ public:
     [[nodiscard]] FreeDirection<N>* directions() { return direction_; }
     [[nodiscard]] const Record& record(int j) const { return record_[j]; }
     // Of a node that keeps a distance.
-    [[nodiscard]] const JointRange<N>& range(const Node& node) const requires(features.distances) {
+    [[nodiscard]] const JointRange<N>& range(const Node& node) const requires(features.has_joint_ranges()) {
         return range_[node.joint];
     }
-    [[nodiscard]] const JointRange<N>& range_of(int joint) const requires(features.distances) { return range_[joint]; }
-    // Where neither end is held, nothing is handed on.
-    void set_end(Node& node, int end) requires(features.distances) {
+    [[nodiscard]] const JointRange<N>& range_of(int joint) const requires(features.has_joint_ranges()) {
+        return range_[joint];
+    }
+    [[nodiscard]] bool has_range(const Node& node) const requires(features.has_joint_ranges()) {
+        return node.joint != Node::no_joint && range_[node.joint].is_there;
+    }
+    // Of a node as a body on its parent: the other way round where the joint is.
+    [[nodiscard]] static int sign(const Node& node) { return node.side == 0 || node.keeps_distance() ? 1 : -1; }
+    // Where neither end is held, nothing is handed on along a distance. A hinge or a slider has no free direction at an
+    // end.
+    void set_end(Node& node, int end) requires(features.has_joint_ranges()) {
         range_[node.joint].end = static_cast<std::int8_t>(end);
-        node.slides = end == 0 ? 3 : 2;
-        node.holder = end == 0 ? std::int16_t{-1} : node.parent;
+        if (node.keeps_distance()) {
+            node.slides = end == 0 ? 3 : 2;
+            node.holder = end == 0 ? std::int16_t{-1} : node.parent;
+        } else {
+            const std::uint8_t kind = record_[node.joint].kind;
+            node.axes = 2;
+            node.turns = end == 0 ? JointKinds::turns[kind] : std::int8_t{0};
+            node.slides = end == 0 ? JointKinds::slides[kind] : std::int8_t{0};
+        }
     }
     // The node that hangs on its parent by this joint.
     [[nodiscard]] int node_of(int joint) const {
@@ -295,12 +323,12 @@ public:
             (void)to.within(tree.halvings, 0, most_halvings);
             if constexpr (Archive::reads) tree.is_factored = false;
             for (int i = tree.first; i < tree.last; ++i) to(self.kick_[i]);
-            if constexpr (features.distances)
+            if constexpr (features.has_joint_ranges())
                 for (int i = tree.first; i < tree.last; ++i) {
                     auto& node = self.node_[i];
-                    if (!node.keeps_distance()) continue;
+                    if (!self.has_range(node)) continue;
                     int end = self.range_[node.joint].end;
-                    end = to.within(end, self.range_[node.joint].is_rod() ? 1 : -1, 1);
+                    end = to.within(end, self.range_[node.joint].is_rod ? 1 : -1, 1);
                     if constexpr (Archive::reads) self.set_end(node, end);
                 }
         }
@@ -321,9 +349,13 @@ public:
                 digest.add_number(strength_[j].force);
                 digest.add_number(strength_[j].torque);
             }
-            if constexpr (features.distances) {
+            if constexpr (features.has_joint_ranges()) {
                 J::add_to(digest, range_[j].least);
                 J::add_to(digest, range_[j].most);
+                for (int i = 0; i < 2; ++i) {
+                    digest.add_number(range_[j].cosine[i]);
+                    digest.add_number(range_[j].sine[i]);
+                }
             }
         }
     }
@@ -360,15 +392,15 @@ private:
                     own.is_factored = false;
                 }
         }
-        if constexpr (features.distances)
+        if constexpr (features.has_joint_ranges())
             for (int j = 0; j < room; ++j) {
                 int end = self.range_[j].end;
                 end = to.within(end, -1, 1);
                 if constexpr (Archive::reads) self.range_[j].end = static_cast<std::int8_t>(end);
             }
-        if constexpr (Archive::reads && features.distances)
+        if constexpr (Archive::reads && features.has_joint_ranges())
             for (int i = 0; i < self.node_count_; ++i)
-                if (self.node_[i].keeps_distance()) self.set_end(self.node_[i], self.range(self.node_[i]).end);
+                if (self.has_range(self.node_[i])) self.set_end(self.node_[i], self.range(self.node_[i]).end);
     }
     // -1 of a body without a joint that holds.
     [[nodiscard]] int node_of_body(int b) const {
@@ -461,12 +493,30 @@ private:
     TUMBLE_COLD [[nodiscard]] static Real length_of(const RealVec3& v) { return sqrt(dot(v, v)); }
 
     // A distance that is at an end of its range is held there.
-    TUMBLE_COLD static void set_range(JointRange<N>& range, const DistanceSpec& spec) requires(features.distances) {
+    TUMBLE_COLD static void set_range(JointRange<N>& range,
+                                      const DistanceSpec& spec) requires(features.has_joint_ranges()) {
         const RealVec3 apart = spec.point - spec.to_point;
         const Real length = length_of(apart), near = Real::scaled(1, -20);
-        range = {J::length(spec.least), J::length(spec.most), 0};
-        if (range.is_rod() || length >= spec.most * (Real{1} - near)) range.end = 1;
+        range.is_there = true;
+        range.is_rod = spec.least == spec.most;
+        range.least = J::length(spec.least);
+        range.most = J::length(spec.most);
+        if (range.is_rod || length >= spec.most * (Real{1} - near)) range.end = 1;
         else if (length <= spec.least * (Real{1} + near) && spec.least > Real{}) range.end = -1;
+    }
+
+    // Both of a hinge and of a slider, which use what they need.
+    TUMBLE_COLD static void set_range(JointRange<N>& range,
+                                      const JointLimits& limits) requires(features.has_joint_ranges()) {
+        if (!limits.acts()) return;
+        range.is_there = true;
+        range.least = J::length(limits.least);
+        range.most = J::length(limits.most);
+        for (int i = 0; i < 2; ++i) {
+            const RealQuat q = rotation_about({0, 0, 1}, i == 0 ? limits.least : limits.most);
+            range.cosine[i] = J::unit(q.w * q.w - q.v.z * q.v.z, 0);
+            range.sine[i] = J::unit(q.w * q.v.z * Real{2}, 0);
+        }
     }
 
     // Builds the trees anew. The root is the body that hangs on the world or on a fixed body, or else that of the
@@ -545,9 +595,9 @@ private:
             node.direction = direction_count_;
             for (int s = 0; s < node.slides; ++s) add_direction(false, node.slides == 3 ? s : -1);
             for (int r = 0; r < node.turns; ++r) add_direction(true, node.turns == 3 ? r : -1);
-            if constexpr (features.distances)
-                if (node.keeps_distance()) {
-                    add_direction(false, -1);  // along the line, where it is slack
+            if constexpr (features.has_joint_ranges())
+                if (has_range(node)) {
+                    if (node.keeps_distance()) add_direction(false, -1);  // along the line, where it is slack
                     set_end(node, range_[node.joint].end);
                 }
         }
@@ -647,7 +697,7 @@ private:
 
     Record record_[room]{};
     [[no_unique_address]] If<features.joint_breaks, JointStrength<N>[room], 25> strength_ {};
-    [[no_unique_address]] If<features.distances, JointRange<N>[room], 22> range_ {};
+    [[no_unique_address]] If<features.has_joint_ranges(), JointRange<N>[room], 22> range_ {};
     Node node_[most_nodes]{};
     Kicks kick_[most_nodes]{};
     FreeDirection<N> direction_[most_directions]{};

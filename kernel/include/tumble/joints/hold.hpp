@@ -100,9 +100,9 @@ private:
     Status status_;
     Kick<N> guess_[Forest::most_nodes];
     int halvings_ = 0;  // of the step, in the present part
-    // Of distances: the end where the part begins, and whether it has changed in the part.
-    [[no_unique_address]] If<features.distances, std::int8_t[Forest::most_nodes], 25> end_;
-    [[no_unique_address]] If<features.distances, bool[Forest::most_nodes], 24> is_changed_;
+    // Of joints with a range: the end where the part begins, and whether it has changed in the part.
+    [[no_unique_address]] If<features.has_joint_ranges(), std::int8_t[Forest::most_nodes], 25> end_;
+    [[no_unique_address]] If<features.has_joint_ranges(), bool[Forest::most_nodes], 24> is_changed_;
 
     // Takes a part. Where it has to be shorter the group is where the part begins, and the result is false.
     template <class Fly, class SpinChanged>
@@ -120,9 +120,9 @@ private:
             return true;
         go_back(group, spin_changed);
         each([&](JointTreeState& tree) {
-            if constexpr (features.distances)
+            if constexpr (features.has_joint_ranges())
                 for (int i = tree.first; i < tree.last; ++i)
-                    if (Node& node = forest_.nodes()[i]; node.keeps_distance()) forest_.set_end(node, end_[i]);
+                    if (Node& node = forest_.nodes()[i]; forest_.has_range(node)) forest_.set_end(node, end_[i]);
             measures_.place(tree, bodies_);
             measures_.factor(tree);
             tree.is_disturbed = false;
@@ -148,11 +148,11 @@ private:
         each([&](const JointTreeState& tree) {
             each_node(tree, [&](const Node&, int i) { copy(guess_[i], forest_.kicks()[i]); });
         });
-        if constexpr (features.distances)
+        if constexpr (features.has_joint_ranges())
             each([&](const JointTreeState& tree) {
                 each_node(tree, [&](const Node& node, int i) {
                     is_changed_[i] = false;
-                    if (node.keeps_distance()) end_[i] = forest_.range(node).end;
+                    if (forest_.has_range(node)) end_[i] = forest_.range(node).end;
                 });
             });
         for (int corrections = 0;; ++corrections) {
@@ -166,7 +166,7 @@ private:
                     correct(tree, within);
                 }
             });
-            if constexpr (features.distances) {
+            if constexpr (features.has_joint_ranges()) {
                 if (closed) {
                     bool is_other = false;
                     each([&](const JointTreeState& tree) { is_other = change_ends(tree) || is_other; });
@@ -300,12 +300,12 @@ private:
         });
         divide(tree, measures_.halvings_for(tree, halvings_));
     }
-    // The changes of motion that end the rates across the joints. A rope that would push for it goes slack. The bodies
-    // must be placed, and the factor must be that of there.
+    // The changes of motion that end the rates across the joints. A rope that would push for it goes slack, and a joint
+    // that its end would pull leaves it. The bodies must be placed, and the factor must be that of there.
     void find_end(JointTreeState& tree) {
         measures_.rates(tree, bodies_);
         solve(tree);
-        if constexpr (features.distances) {
+        if constexpr (features.has_joint_ranges()) {
             const auto slackens = [&] {
                 bool any = false;
                 measures_.for_each_that_pushes(tree, [&](Node& node, int) {
@@ -325,7 +325,7 @@ private:
     // After a part that closed: a distance that has left its range is held at its end from the start of the part on,
     // and one that its end pushed over the whole part goes slack. True where there is one. What has changed in a part
     // does not go slack any more.
-    [[nodiscard, gnu::noinline]] bool change_ends(const JointTreeState& tree) requires(features.distances) {
+    [[nodiscard, gnu::noinline]] bool change_ends(const JointTreeState& tree) requires(features.has_joint_ranges()) {
         bool any = false;
         const auto change = [&](Node& node, int i, int end) {
             if (end == 0 && is_changed_[i]) return;
@@ -336,7 +336,7 @@ private:
         };
         for (int i = tree.first; i < tree.last; ++i) {
             Node& node = forest_.nodes()[i];
-            if (!node.keeps_distance() || node.slides != 3) continue;
+            if (!forest_.has_range(node) || forest_.range(node).end != 0) continue;
             if (const int beyond = measures_.end_beyond(node, i, bodies_); beyond != 0) change(node, i, beyond);
         }
         measures_.take(tree, forest_.kicks(), bodies_);
@@ -344,7 +344,7 @@ private:
         return any;
     }
     // Where the bodies are back at the start of a part, with other ends.
-    void begin_anew(JointTreeState& tree) requires(features.distances) {
+    void begin_anew(JointTreeState& tree) requires(features.has_joint_ranges()) {
         measures_.place(tree, bodies_);
         measures_.factor(tree);
         each_node(tree, [&](const Node&, int i) { forest_.kicks()[i] = guess_[i]; });
@@ -364,10 +364,10 @@ private:
     [[gnu::noinline, gnu::cold]] bool close(JointTreeState& tree) {
         for (int projections = 0;; ++projections) {
             measures_.place(tree, bodies_);
-            if constexpr (features.distances)
+            if constexpr (features.has_joint_ranges())
                 for (int i = tree.first; i < tree.last; ++i) {
                     Node& node = forest_.nodes()[i];
-                    if (!node.keeps_distance() || forest_.range(node).is_rod()) continue;
+                    if (!forest_.has_range(node) || forest_.range(node).is_rod) continue;
                     const int beyond = measures_.end_beyond(node, i, bodies_);
                     if (projections == 0 || beyond != 0) forest_.set_end(node, beyond);
                 }

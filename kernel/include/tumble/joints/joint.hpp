@@ -7,6 +7,17 @@
 
 namespace tumble {
 
+// The range of the free direction of a hinge, rad, or of a slider, m, from where the joint is added. At its ends the
+// joint is held, and is not pulled: to arrive there ends its speed, as an impact without restitution does. Both zero:
+// none. Needs Features::joint_limits.
+struct JointLimits {
+    Real least = 0;  // not positive; of a hinge at least -2.6
+    Real most = 0;   // not negative; of a hinge at most 2.6
+
+    // True of a range.
+    [[nodiscard]] constexpr bool acts() const { return !least.is_zero() || !most.is_zero(); }
+};
+
 // A rotation about one axis: a door, an elbow, a wheel on its axle.
 struct HingeSpec {
     BodyIndex body = 0;      // its id, or its number in the order of add()
@@ -14,6 +25,7 @@ struct HingeSpec {
     RealVec3 anchor{};       // m, world; a point of the axis
     RealVec3 axis{0, 0, 1};  // world, from `to_body` to `body`; of any length but zero
     JointSpring spring{};    // about the axis; needs Features::joint_springs, as all springs of joints
+    JointLimits limits{};    // of the angle
     Real break_force = 0;    // N; a larger force breaks it; 0: none does; needs Features::joint_breaks
     Real break_torque = 0;   // N m; likewise
 };
@@ -41,6 +53,7 @@ struct SliderSpec {
     RealVec3 anchor{};       // m, world; the point of `body` that stays on the axis
     RealVec3 axis{1, 0, 0};  // world; of any length but zero; travel along it is positive
     JointSpring spring{};    // along the axis
+    JointLimits limits{};    // of the travel
     Real break_force = 0;    // N; a larger force breaks it; 0: none does; needs Features::joint_breaks
     Real break_torque = 0;   // N m; likewise
 };
@@ -82,6 +95,7 @@ enum class JointFault : std::uint8_t {
     axes_not_perpendicular,  // of a universal joint
     empty_range,             // of a distance: least is negative or above most, or most is not positive
     outside_range,           // the points of a distance are nearer than least or farther than most
+    bad_limits,              // they do not hold the start, 0, or are beyond 2.6 rad
     bad_strength,            // a negative break_force or break_torque
     bad_spring,              // a negative stiffness or damping, or a rest that the angle or the length never has
     too_far,                 // fixed point: an anchor, or a distance, of more than 4096 m from a centre of mass
@@ -103,6 +117,7 @@ enum class JointFault : std::uint8_t {
     case JointFault::axes_not_perpendicular: return "axes_not_perpendicular";
     case JointFault::empty_range: return "empty_range";
     case JointFault::outside_range: return "outside_range";
+    case JointFault::bad_limits: return "bad_limits";
     case JointFault::bad_strength: return "bad_strength";
     case JointFault::bad_spring: return "bad_spring";
     case JointFault::too_far: return "too_far";
@@ -119,6 +134,18 @@ enum class JointFault : std::uint8_t {
 
 namespace detail {
 
+[[nodiscard]] constexpr JointLimits limits_of([[maybe_unused]] const auto& spec) {
+    if constexpr (requires { spec.limits; }) return spec.limits;
+    else return {};
+}
+// What is wrong with the limits of a joint; `turns`: of an angle.
+TUMBLE_COLD [[nodiscard]] constexpr JointFault fault_of_limits(const auto& spec, bool turns) {
+    const JointLimits limits = limits_of(spec);
+    const Real most_angle = Real{2.6};
+    if (limits.least > Real{} || limits.most < Real{}) return JointFault::bad_limits;
+    if (turns && (limits.most > most_angle || -limits.least > most_angle)) return JointFault::bad_limits;
+    return JointFault::none;
+}
 // N and N m: what a joint bears; 0: anything.
 [[nodiscard]] constexpr Real break_force_of(const auto& spec) { return spec.break_force; }
 [[nodiscard]] constexpr Real break_torque_of([[maybe_unused]] const auto& spec) {

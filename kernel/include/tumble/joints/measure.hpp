@@ -53,9 +53,11 @@ public:
             } else {
                 set_world(at, other);
             }
-            if (node.slides == 1) follow(node, at, bodies);
-            if constexpr (features.distances)
+            if constexpr (features.has_joint_ranges()) {
                 if (node.slides > 1) reach_over(node, i, bodies);
+                else if (forest_.has_range(node)) hold_at_end(node, i, bodies);
+            }
+            if (node.slides == 1) follow(node, at, bodies);
         }
     }
     // Takes `end` over as the places of the factor, and factors.
@@ -156,49 +158,83 @@ public:
         }
         return wanted;
     }
-    // Sets the changes of motion of a solution to half kicks.
+    // Sets the changes of motion of a solution to half kicks. The factor must be that of where they act.
     [[gnu::noinline]] void take(const JointTreeState& tree, const Kick<N>* kicks,
-                                const auto& bodies) requires(features.distances) {
-        const auto fits = [&](int of_rate) {
+                                const auto& bodies) requires(features.has_joint_ranges()) {
+        const auto fits = [&](int of_rate, int of_spin) {
             bool all = true;
             bits = of_rate;
-            for (int i = tree.first; i < tree.last; ++i)
-                for (int k = 0; k < 3; ++k)
+            for (int i = tree.first; i < tree.last; ++i) {
+                const Node& node = forest_.nodes()[i];
+                Vector spin;
+                for (int k = 0; k < 3; ++k) {
                     solution[i].dv[k] = J::held(J::drift_of(kicks[i].linear[k], bodies.scale, of_rate), all);
+                    spin[k] = J::held_half(
+                        J::angle(N::narrow_turn(kicks[i].angular[k]), node.to_angle[k], bodies.finest_scale(), of_spin),
+                        all);
+                }
+                spin = node.frame.to_world(spin);
+                for (int k = 0; k < 3; ++k)
+                    solution[i].dw[k] = J::held(J::turned(spin[k], node.length_log2, of_spin, of_rate), all);
+            }
             return all;
         };
-        if (!fits(J::rate_bits)) (void)fits(J::coarse_rate_bits);
+        if (!fits(J::rate_bits, J::spin_bits)) (void)fits(J::coarse_rate_bits, J::coarse_spin_bits);
     }
-    // Calls f(node, i) for each rope by which these changes of motion push the bodies apart, or at its least length
-    // together. The force is that of the balance of what hangs on it, along the line of the factor.
+    // Calls f(node, i) for each joint that these changes of motion push out of its range: a rope that pushes, and a
+    // joint that an end of its range pulls. What a joint hands on is the balance of what hangs on it, about its anchor.
     template <class F>
-    [[gnu::noinline]] void for_each_that_pushes(const JointTreeState& tree, F&& f) requires(features.distances) {
-        for (int i = tree.first; i < tree.last; ++i) set_three(solution[i].impulse, Vector::Constant(Unit{}));
+    [[gnu::noinline]] void for_each_that_pushes(const JointTreeState& tree,
+                                                F&& f) requires(features.has_joint_ranges()) {
+        for (int i = tree.first; i < tree.last; ++i)
+            for (Unit& impulse : solution[i].impulse) impulse = Unit{};
         for (int i = tree.last - 1; i >= tree.first; --i) {
             Node& node = forest_.nodes()[i];
             const auto& s = solution[i];
-            const Vector force =
-                three(s.impulse) + along(s.dv, J::down(node.mass, node.mass_log2 - node.own_mass_log2));
+            Vector p = three(s.impulse), h = three(s.impulse + 3);
+            add_change(node, s.dv, s.dw, p, h);
             if (node.holder >= 0) {
-                Unit* const p = solution[node.holder].impulse;
-                set_three(p, three(p) + down(force, node.mass_down));
+                Unit* const of_parent = solution[node.holder].impulse;
+                const Vector down_p = down(p, node.mass_down), down_h = down(h, node.moment_down);
+                set_three(of_parent, three(of_parent) + down_p);
+                set_three(of_parent + 3, three(of_parent + 3) + down_h + cross<Unit>(Vector{node.link}, down_p));
             }
-            if (!node.keeps_distance() || node.slides != 2) continue;
+            if (!forest_.has_range(node)) continue;
             const auto& range = forest_.range(node);
-            const Unit out = narrow<Unit>(dot(line(node), force));
-            if (!range.is_rod() && (range.end > 0 ? out > Unit{} : out < Unit{})) f(node, i);
+            if (range.end == 0 || range.is_rod) continue;
+            const auto& axis = forest_.directions()[node.direction + (node.keeps_distance() ? 5 : 0)].axis;
+            const bool turns = JointKinds::turns[forest_.record(node.joint).kind] == 1;
+            const Unit out = narrow<Unit>(dot(Vector{axis}, turns ? h : p));
+            if (range.end * Forest::sign(node) > 0 ? out > Unit{} : out < Unit{}) f(node, i);
         }
     }
-    // The end of its range beyond which a distance is at `end`; 0 where it is within.
+    // The end of its range beyond which a joint that is free of both is at `end`; 0 where it is within.
     [[nodiscard, gnu::noinline]] int end_beyond(const Node& node, int i, const auto& bodies) const
-        requires(features.distances) {
+        requires(features.has_joint_ranges()) {
         const auto& range = forest_.range(node);
         const Place& at = end[i];
-        Unit enough = J::enough(false, log2_of_line(at), 0);
+        const bool turns = JointKinds::turns[forest_.record(node.joint).kind] == 1;
+        const int log2 = log2_of_line(at);
+        Unit enough = J::enough(false, turns && node.length_log2 > log2 ? int{node.length_log2} : log2, 0);
         if constexpr (!N::fixed_point) enough = J::enough_of(false, bodies.state[node.body].x_w, at.own_arm, at.arm);
+        const int sign = Forest::sign(node);
         bool fits = true;
-        if (longer_than(range.most, i, 0, fits) > enough) return 1;
-        return longer_than(range.least, i, 0, fits) < -enough ? -1 : 0;
+        for (const int e : {1, -1}) {
+            Unit beyond{};  // in the direction of the joint
+            if (turns) {
+                // The sine of the angle from the end, which is small where its cosine is near 1.
+                const Vector own{at.own_axis[1]}, from = at_end(range, e, node, at);
+                if (narrow<Unit>(dot(from, own)) < N::template constant<Unit>(0.857)) continue;
+                beyond = J::lean(narrow<Unit>(dot(Vector{at.own_axis[0]}, cross<Unit>(from, own))), node.length_log2,
+                                 J::gap_bits, fits);
+            } else {
+                const Vector axis{node.keeps_distance() ? at.own_axis[0] : at.other_axis[0]};
+                const Open length = e > 0 ? range.most : range.least;
+                beyond = longer_than(sign > 0 ? length : -length, axis, i, 0, fits);
+            }
+            if (e * sign > 0 ? beyond > enough : beyond < -enough) return e;
+        }
+        return 0;
     }
     // After a blow: at least `wanted`, and as many as the turns ask for that it leaves. The forces are those of before.
     [[nodiscard, gnu::noinline, gnu::cold]] int halvings_of_turns(const JointTreeState& tree, const auto& bodies,
@@ -216,7 +252,8 @@ private:
     int of_spin_ = 0;          // of spin_
     Vector spin_[most_nodes];  // of the bodies in the world's axes
     Vector turn_[most_nodes];
-    [[no_unique_address]] If<features.distances, Open[most_nodes][3], 23> line_;  // between the points, of a distance
+    [[no_unique_address]] If<features.has_joint_ranges(), Open[most_nodes][3], 23>
+        line_;  // between the points, of a distance
 
     [[nodiscard]] TUMBLE_INLINE static Vector three(const Unit* x) { return JointTree<N>::three(x); }
     TUMBLE_INLINE static void set_three(Unit* x, const Vector& v) { JointTree<N>::set_three(x, v); }
@@ -247,12 +284,16 @@ private:
     void set_directions(const Node& node, const Place& at) {
         FreeDirection<N>* const direction = forest_.directions() + node.direction;
         if (node.slides == 1) direction[0].axis = at.other_axis[0];
-        if constexpr (features.distances)
+        if constexpr (features.has_joint_ranges()) {
             if (node.keeps_distance()) {
                 direction[0].axis = at.other_axis[0];
                 direction[1].axis = at.other_axis[1];
                 direction[5].axis = at.own_axis[0];
+            } else if (forest_.has_range(node)) {
+                const bool turns = JointKinds::turns[forest_.record(node.joint).kind] == 1;
+                direction[0].axis = turns ? at.own_axis[0] : at.other_axis[0];
             }
+        }
         if (node.turns == 3) return;
         if (node.turns > 0) direction[node.slides].axis = at.own_axis[0];
         if (node.turns > 1) direction[node.slides + 1].axis = at.other_axis[0];
@@ -287,7 +328,8 @@ private:
     }
     // Of a distance: its line, two axes across it, and the arm of the other side, which goes on to the point of the
     // body.
-    [[gnu::noinline]] void reach_over(const Node& node, int i, const auto& bodies) requires(features.distances) {
+    [[gnu::noinline]] void reach_over(const Node& node, int i,
+                                      const auto& bodies) requires(features.has_joint_ranges()) {
         Place& at = end[i];
         Open(&apart)[3] = line_[i];
         set_gap(node, at, bodies, apart);
@@ -309,16 +351,11 @@ private:
         at.own_axis[0] = along_line;
         at.other_axis[0] = across;
         at.other_axis[1] = cross<Unit>(along_line, across);
-        // Each component of both is at most 1: their sum is a Unit over four times the larger.
-        const int both = (above > at.arm_log2 ? above : int{at.arm_log2}) + (N::fixed_point ? 2 : 0);
-        Vector arm = down(at.arm, both - at.arm_log2);
-        for (int k = 0; k < 3; ++k) arm[k] += J::unit_of(apart[k], both, J::gap_bits);
-        at.arm = arm;
-        at.arm_log2 = static_cast<std::int8_t>(both);
+        go_on(at, apart);
     }
-    // By how much the line of a distance is longer, in 2^(coarser - gap_bits) m.
-    [[nodiscard]] Unit longer_than(Open length, int i, int coarser, bool& fits) const requires(features.distances) {
-        const Vector axis = end[i].own_axis[0];
+    // By how much the line between the anchors is longer along an axis, in 2^(coarser - gap_bits) m.
+    [[nodiscard]] Unit longer_than(Open length, const Vector& axis, int i, int coarser, bool& fits) const
+        requires(features.has_joint_ranges()) {
         Vector rest;
         for (int k = 0; k < 3; ++k)
             rest[k] = J::held(J::coarser(line_[i][k] - J::along(length, axis[k]), coarser), fits);
@@ -329,8 +366,52 @@ private:
         const int line = at.arm_log2 - (N::fixed_point ? 2 : 0);
         return at.own_log2 > line ? at.own_log2 : line;
     }
-    // The line of a distance where the factor is of.
-    [[nodiscard]] Vector line(const Node& node) const { return Vector{forest_.directions()[node.direction + 5].axis}; }
+    // Notes the line between the anchors of a slider, and holds a hinge or a slider at an end of its range: there the
+    // axes of the other side are turned, and its arm goes on, by what the end says.
+    [[gnu::noinline]] void hold_at_end(const Node& node, int i,
+                                       const auto& bodies) requires(features.has_joint_ranges()) {
+        Place& at = end[i];
+        const auto& range = forest_.range(node);
+        if (JointKinds::turns[forest_.record(node.joint).kind] == 1) {
+            if (range.end != 0) at.other_axis[1] = at_end(range, range.end, node, at);
+            return;
+        }
+        set_gap(node, at, bodies, line_[i]);
+        if (range.end == 0) return;
+        Open way[3];
+        const Open length = Forest::sign(node) > 0 ? range.length() : -range.length();
+        for (int k = 0; k < 3; ++k) way[k] = J::along(length, at.other_axis[0][k]);
+        go_on(at, way);
+    }
+    // The second axis of the other side, turned to an end of the range of a hinge.
+    [[nodiscard]] static Vector at_end(const JointRange<N>& range, int e, const Node& node,
+                                       const Place& at) requires(features.has_joint_ranges()) {
+        const Vector axis{at.other_axis[0]}, from{at.other_axis[1]};
+        const Unit sine = range.sine[e > 0 ? 1 : 0];
+        return along(from, range.cosine[e > 0 ? 1 : 0]) +
+               along(cross<Unit>(axis, from), Forest::sign(node) > 0 ? sine : Unit(-sine));
+    }
+    // Lets the arm of the other side go on. Each component of both is at most 1: their sum is a Unit over four times
+    // the larger.
+    static void go_on(Place& at, const Open (&way)[3]) requires(features.has_joint_ranges()) {
+        const int above = J::log2_above(way);
+        const int both = (above > at.arm_log2 ? above : int{at.arm_log2}) + (N::fixed_point ? 2 : 0);
+        Vector arm = down(at.arm, both - at.arm_log2);
+        for (int k = 0; k < 3; ++k) arm[k] += J::unit_of(way[k], both, J::gap_bits);
+        at.arm = arm;
+        at.arm_log2 = static_cast<std::int8_t>(both);
+    }
+    // Adds the change of momentum of a body, and that of its angular momentum about the anchor, over its powers of two.
+    static void add_change(const Node& node, const Vector& dv, const Vector& dw, Vector& p, Vector& h) {
+        const int m = node.mass_log2 - node.own_mass_log2, l = node.length_log2 - node.own_length_log2;
+        const Vector x = node.frame.axis(0), z = node.frame.axis(2);
+        const Vector push = along(dv, J::down(node.mass, m));
+        p += push;
+        h += along(dw, J::down(node.moment_y, m + 2 * l)) +
+             along(x, narrow<Unit>(mul(J::down(node.moment_x_less_y, m + 2 * l), narrow<Unit>(dot(x, dw))))) +
+             along(z, narrow<Unit>(mul(J::down(node.moment_z_less_y, m + 2 * l), narrow<Unit>(dot(z, dw))))) -
+             cross<Unit>(Vector{node.lever}, push);
+    }
     // The length of the link of a slider, from above.
     [[gnu::noinline, gnu::cold]] static void set_span(Node& node, const Place& at, const Place& parent) {
         if constexpr (N::fixed_point) {
@@ -368,12 +449,13 @@ private:
             }
             const Place& at = end[i];
             bool is_distance = false;
-            if constexpr (features.distances)
+            if constexpr (features.has_joint_ranges())
                 if (node.slides > 1) {
                     is_distance = true;
                     set_three(target, Vector::Constant(Unit{}));
                     if (node.slides > 2) continue;
-                    const Unit longer = longer_than(forest_.range(node).length(), i, coarser, fits);
+                    const Unit longer =
+                        longer_than(forest_.range(node).length(), Vector{at.own_axis[0]}, i, coarser, fits);
                     set_three(target, along(Vector{at.own_axis[0]}, -longer));
                 }
             if (!is_distance) {
@@ -388,6 +470,9 @@ private:
                     [&](int k) { target[3 + k] = J::lean(turn[k], node.length_log2, J::gap_bits - coarser, fits); });
                 if (node.length_log2 > log2) log2 = node.length_log2;
             }
+            // The axis of an end is rounded once more.
+            if constexpr (features.has_joint_ranges())
+                if (node.turns + node.slides == 0 && forest_.has_range(node)) log2 = (log2 > 1 ? log2 : 1) + 1;
             // A spin in 2^n parts rounds the orientation as often: a sum of 2^(n/2) roundings.
             int halvings = bodies.halvings_of(node.body);
             if (node.parent >= 0) halvings = larger(halvings, bodies.halvings_of(forest_.nodes()[node.parent].body));
@@ -403,7 +488,7 @@ private:
     // A change of motion less its parts along free directions, which are open to any.
     TUMBLE_INLINE static void leave_free(const Node& node, const Place& at, Vector& v, Vector& w) {
         if (node.slides == 1) leave(at.other_axis[0], v);
-        if constexpr (features.distances) {
+        if constexpr (features.has_joint_ranges()) {
             if (node.slides == 2) v = along(Vector{at.own_axis[0]}, narrow<Unit>(dot(Vector{at.own_axis[0]}, v)));
             if (node.slides == 3) v = Vector::Constant(Unit{});
         }

@@ -20,7 +20,7 @@ struct JointReadout {
     Vector3<T> force{};   // N, world axes: on `body` by the joint, at the end of the last step
     Vector3<T> torque{};  // N m, world axes, about the anchor: likewise; about free axes it is zero
     bool broken = false;  // it holds nothing, and all of the above is zero
-    int at_limit = 0;     // of a distance: 1 where it is held at its most, -1 at its least, 0 where it is slack
+    int at_limit = 0;     // of a joint with a range: 1 where it is held at its most, -1 at its least, 0 between
     int corrections = 0;  // of its tree in the last step, in all parts of it; not kept in a snapshot
 };
 
@@ -54,14 +54,14 @@ public:
             to.travel = static_cast<T>(dot(axis(1, 0), Vector(anchor(0) - anchor(1))));
             to.speed = static_cast<T>(slide_rate());
         }
-        if constexpr (features.distances)
+        if constexpr (features.has_joint_ranges())
             if (JointKinds::slides[joint_.kind] == 2) {
                 const Vector line = anchor(0) - anchor(1), rate = point_velocity(0) - point_velocity(1);
                 const Work length = sqrt(dot(line, line));
                 to.travel = static_cast<T>(length);
                 if (length > Work(0)) to.speed = static_cast<T>(Work(dot(line, rate)) / length);
-                to.at_limit = forest_.range_of(forest_.nodes()[node_].joint).end;
             }
+        if constexpr (features.has_joint_ranges()) to.at_limit = forest_.range_of(forest_.nodes()[node_].joint).end;
         Vector force, torque;
         set_load(force, torque);
         to.force = {static_cast<T>(force[0]), static_cast<T>(force[1]), static_cast<T>(force[2])};

@@ -1,0 +1,225 @@
+// Limits of hinges and sliders: ends at which a joint is held and not pulled. The oracles are statics, closed forms of
+// the way to the end, and what is conserved.
+#include <tumble/tumble.hpp>
+
+#include "kinds.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace tumble::test {
+namespace {
+
+inline constexpr Features limited{
+    .bodies = 4, .joints = 4, .joint_springs = true, .joint_limits = true, .removal = true, .snapshots = true};
+using LimitKinds = Tested<testing::Types<Kind<Q32<>, integrators::Verlet>, Kind<F64, integrators::Verlet>>,
+                          testing::Types<Kind<F32, integrators::Verlet>>>;
+
+constexpr double g = 9.81;
+
+template <class W>
+class Limits : public testing::Test {
+protected:
+    using N = typename W::Numbers;
+    using World = tumble::World<SceneOf<N, typename W::Integrator, limited>>;
+    static constexpr bool is_single = !N::fixed_point && sizeof(typename N::Unit) == 4;
+    static constexpr double close = is_single ? 1e-5 : 1e-7;
+
+    [[nodiscard]] static World falling() { return World{Seconds{1, 256}, {.gravity = {0, -g, 0}}}; }
+    [[nodiscard]] static World floating() { return World{Seconds{1, 256}, {}}; }
+    [[nodiscard]] static BodySpec at(BodySpec body, const RealVec3& position) {
+        body.position = position;
+        return body;
+    }
+    static void run(World& world, int steps) {
+        for (int i = 0; i < steps; ++i) (void)world.step();
+    }
+    [[nodiscard]] static auto joint(const World& world, int j = 0) { return world.template joint<double>(JointId{j}); }
+    [[nodiscard]] static double energy(const World& world, int bodies) {
+        double sum = 0;
+        for (int b = 0; b < bodies; ++b)
+            sum += static_cast<double>(world.kinetic_energy(BodyId{b})) +
+                   static_cast<double>(world.potential_energy(BodyId{b}));
+        return sum;
+    }
+    // A rod of 1 kg and 1 m on a hinge at the origin, at this angle from hanging.
+    [[nodiscard]] static World pendulum(double angle, const JointLimits& limits) {
+        auto world = falling();
+        BodySpec rod = at(box(1, {0.1, 1, 0.1}), {std::sin(angle) / 2, -std::cos(angle) / 2, 0});
+        rod.orientation = rotation_about({0, 0, 1}, angle);
+        (void)world.add(rod);
+        (void)world.add(HingeSpec{.body = 0, .limits = limits});
+        return world;
+    }
+};
+TYPED_TEST_SUITE(Limits, LimitKinds);
+
+// From 1 rad it swings to 0.4 rad and stays, as on a stop that bears m g / 2 sin(0.4) N m.
+TYPED_TEST(Limits, a_hinge_stays_at_its_limit) {
+    for (const int side : {1, -1}) {
+        auto world = this->pendulum(side, side > 0 ? JointLimits{-0.6, 0.1} : JointLimits{-0.1, 0.6});
+        double before = 0;
+        for (int step = 0; step < 512; ++step) {
+            if (this->joint(world).at_limit == 0) before = std::abs(this->joint(world).speed);
+            this->run(world, 1);
+            EXPECT_GT(side * this->joint(world).angle, -0.6 - this->close);
+        }
+        // I w^2 / 2 = m g / 2 (cos(0.4) - cos(1))
+        EXPECT_NEAR(before, std::sqrt(g * (std::cos(0.4) - std::cos(1.0)) / (1.01 / 12 + 0.25)), 0.1);
+        const auto joint = this->joint(world);
+        EXPECT_EQ(joint.at_limit, -side);
+        EXPECT_NEAR(joint.angle, -0.6 * side, this->close);
+        EXPECT_NEAR(joint.speed, 0, 1e-5);
+        EXPECT_NEAR(joint.torque.z, side * g / 2 * std::sin(0.4), 1e-3);
+        EXPECT_TRUE(world.status().ok());
+    }
+}
+
+// Free of its ends it swings as without: only what is held costs energy.
+TYPED_TEST(Limits, a_hinge_between_its_limits_is_free) {
+    auto with = this->pendulum(0.5, {-1.5, 0.25}), without = this->pendulum(0.5, {});
+    this->run(with, 2000);
+    this->run(without, 2000);
+    EXPECT_EQ(with.hash(), without.hash());
+    EXPECT_EQ(this->joint(with).at_limit, 0);
+}
+
+TYPED_TEST(Limits, a_blow_away_from_the_limit_is_not_held) {
+    auto world = this->pendulum(0, {-0.1, 2});
+    world.set_angular_velocity(BodyId{0}, {0, 0, -4});
+    while (this->joint(world).at_limit == 0) this->run(world, 1);
+    EXPECT_EQ(this->joint(world).at_limit, -1);
+    EXPECT_NEAR(this->joint(world).angle, -0.1, this->close);
+    world.apply_angular_impulse(BodyId{0}, {0, 0, 3 * (1.01 / 12 + 0.25)}, Frame::body);  // the whole rod about its end
+    this->run(world, 8);
+    EXPECT_EQ(this->joint(world).at_limit, 0);
+    EXPECT_GT(this->joint(world).speed, 2.5);
+}
+
+// It falls by 1 m along its axis.
+TYPED_TEST(Limits, a_slider_stops_at_its_limit) {
+    for (const bool down : {false, true}) {
+        auto world = this->falling();
+        (void)world.add(this->at(box(2, {0.5, 0.5, 0.5}), {0.25, 3, 0}));
+        (void)world.add(SliderSpec{.body = 0,
+                                   .anchor = {0, 3, 0},
+                                   .axis = {0, down ? -1 : 1, 0},
+                                   .limits = down ? JointLimits{-0.5, 1} : JointLimits{-1, 0.5}});
+        int stopped = 0;
+        for (int step = 1; step <= 300; ++step) {
+            this->run(world, 1);
+            if (stopped == 0 && this->joint(world).at_limit != 0) stopped = step;
+            EXPECT_LT(std::abs(this->joint(world).travel), 1 + this->close);
+        }
+        EXPECT_NEAR(stopped / 256.0, std::sqrt(2 / g), 2.0 / 256);
+        EXPECT_EQ(this->joint(world).at_limit, down ? 1 : -1);
+        EXPECT_NEAR(static_cast<double>(world.position(BodyId{0}).y), 2, this->close);
+        EXPECT_NEAR(this->joint(world).force.y, 2 * g, 0.01);
+        EXPECT_TRUE(world.status().ok());
+    }
+}
+
+// Two bodies that turn against each other on a hinge, in both orders: the tree grows from the first.
+TYPED_TEST(Limits, a_limit_between_two_bodies_keeps_angular_momentum_in_either_order) {
+    for (const bool reversed : {false, true}) {
+        auto world = this->floating();
+        BodySpec a = this->at(box(1, {1, 0.5, 0.25}), {}), b = this->at(box(2, {0.5, 0.5, 0.25}), {});
+        a.angular_velocity = {0, 0, 2};
+        b.angular_velocity = {0, 0, -1};
+        const BodyId first = world.add(reversed ? b : a), second = world.add(reversed ? a : b);
+        (void)world.add(HingeSpec{
+            .body = reversed ? second : first, .to_body = reversed ? first : second, .limits = {-0.25, 0.75}});
+        this->run(world, 256);
+        const double of_a = 1.25 / 12, of_b = 2 * 0.5 / 12, w = (2 * of_a - of_b) / (of_a + of_b);
+        for (const BodyId id : {first, second})
+            EXPECT_NEAR(static_cast<double>(world.angular_velocity(id).z), w, 1e-4) << reversed;
+        EXPECT_NEAR(this->joint(world).angle, 0.75, 1e-5) << reversed;
+    }
+}
+
+TYPED_TEST(Limits, a_limit_between_two_bodies_keeps_momentum_in_either_order) {
+    for (const bool reversed : {false, true}) {
+        auto world = this->floating();
+        BodySpec a = this->at(box(1, {0.5, 0.5, 0.5}), {}), b = this->at(box(3, {0.5, 0.5, 0.5}), {1, 0, 0});
+        a.velocity = {-1, 0, 0};
+        b.velocity = {1, 0, 0};
+        const BodyId first = world.add(reversed ? b : a), second = world.add(reversed ? a : b);
+        (void)world.add(SliderSpec{.body = reversed ? second : first,
+                                   .to_body = reversed ? first : second,
+                                   .axis = {1, 0, 0},
+                                   .limits = {-0.5, 0.125}});
+        this->run(world, 256);
+        for (const BodyId id : {first, second})
+            EXPECT_NEAR(static_cast<double>(world.velocity(id).x), 0.5, 1e-5) << reversed;
+        EXPECT_NEAR(this->joint(world).travel, -0.5, 1e-5) << reversed;
+    }
+}
+
+// An arm whose elbow bends one way alone.
+TYPED_TEST(Limits, the_energy_at_limits_never_rises) {
+    auto world = this->falling();
+    (void)world.add(this->at(box(1, {1, 0.2, 0.2}), {0.5, 0, 0}));
+    (void)world.add(this->at(box(1, {1, 0.1, 0.1}), {1.5, 0, 0}));
+    (void)world.add(HingeSpec{.body = 0});
+    (void)world.add(HingeSpec{.body = 1, .to_body = 0, .anchor = {1, 0, 0}, .limits = {-0.25, 1.5}});
+    const double start = this->energy(world, 2);
+    double least = start, largest = 0;
+    bool was_held = false;
+    for (int step = 0; step < 8192; ++step) {
+        this->run(world, 1);
+        const double now = this->energy(world, 2);
+        largest = std::max(largest, now - least);
+        least = std::min(least, now);
+        was_held = was_held || this->joint(world, 1).at_limit != 0;
+        EXPECT_GT(this->joint(world, 1).angle, -0.25 - 2 * this->close);
+        EXPECT_LT(this->joint(world, 1).angle, 1.5 + 2 * this->close);
+    }
+    EXPECT_TRUE(was_held);
+    EXPECT_LT(largest / (2 * g), 0.01);
+    EXPECT_LT(least, start - 1);
+    EXPECT_EQ(world.status().bits, 0);
+}
+
+TYPED_TEST(Limits, limits_that_cannot_be_are_refused) {
+    auto world = this->falling();
+    (void)world.add(this->at(box(1, {1, 0.5, 0.25}), {}));
+    const auto hinge = [&](double least, double most) {
+        return world.fault_of(HingeSpec{.body = 0, .limits = {least, most}});
+    };
+    EXPECT_EQ(hinge(0.1, 1), JointFault::bad_limits);
+    EXPECT_EQ(hinge(-1, -0.1), JointFault::bad_limits);
+    EXPECT_EQ(hinge(1, -1), JointFault::bad_limits);
+    EXPECT_EQ(hinge(-3, 1), JointFault::bad_limits);
+    EXPECT_EQ(hinge(0, 2.7), JointFault::bad_limits);
+    EXPECT_EQ(hinge(-2.5, 2.5), JointFault::none);
+    EXPECT_EQ(world.fault_of(SliderSpec{.body = 0, .limits = {-20, 30}}), JointFault::none);
+    EXPECT_EQ(world.fault_of(SliderSpec{.body = 0, .limits = {0.1, 30}}), JointFault::bad_limits);
+    EXPECT_STREQ(name_of(JointFault::bad_limits), "bad_limits");
+#ifndef __SANITIZE_ADDRESS__
+    tumble::World<SceneOf<typename TestFixture::N, integrators::Verlet, Features{.joints = 1}>> without{
+        Seconds{1, 256}};
+    (void)without.add(this->at(box(1, {1, 0.5, 0.25}), {}));
+    EXPECT_DEATH((void)without.add(HingeSpec{.body = 0, .limits = {-1, 1}}), "");
+#endif
+}
+
+TYPED_TEST(Limits, a_snapshot_knows_which_joints_are_at_their_limits) {
+    auto saved = this->pendulum(1, {-0.6, 0.1}), restored = this->pendulum(1, {-0.6, 0.1}),
+         other = this->pendulum(1, {-0.6, 0.2});
+    this->run(saved, 200);
+    EXPECT_EQ(this->joint(saved).at_limit, -1);
+    std::array<std::uint8_t, 8192> bytes{};
+    const int size = saved.save(bytes.data(), static_cast<int>(bytes.size()));
+    EXPECT_EQ(other.restore(bytes.data(), size), SnapshotFault::other_scene);
+    ASSERT_EQ(restored.restore(bytes.data(), size), SnapshotFault::none);
+    for (auto* world : {&saved, &restored}) {
+        world->apply_angular_impulse(BodyId{0}, {0, 0, 0.5}, Frame::body);
+        this->run(*world, 200);
+    }
+    EXPECT_EQ(saved.hash(), restored.hash());
+}
+
+}  // namespace
+}  // namespace tumble::test
