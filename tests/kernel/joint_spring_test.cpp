@@ -234,8 +234,9 @@ TYPED_TEST(JointSprings, springs_of_joints_keep_momentum_and_angular_momentum) {
     this->run(world, 512);
     const auto after = sums();
     const auto apart = [](const Vector3<double>& a, const Vector3<double>& b) { return std::sqrt(dot(a - b, a - b)); };
-    EXPECT_LT(apart(after[0], before[0]), TestFixture::N::fixed_point || this->is_single ? 1e-4 : 5e-6);
-    EXPECT_LT(apart(after[1], before[1]), TestFixture::N::fixed_point || this->is_single ? 2e-3 : 2e-5);
+    constexpr bool is_coarse = TestFixture::N::fixed_point || TestFixture::is_single;  // in a tree of 10 kg
+    EXPECT_LT(apart(after[0], before[0]), is_coarse ? 3e-4 : 5e-6);
+    EXPECT_LT(apart(after[1], before[1]), is_coarse ? 2e-3 : 2e-5);
     EXPECT_TRUE(world.status().ok());
 }
 

@@ -106,7 +106,7 @@ public:
                 side[i].body = from.body;
                 for (int k = 0; k < 3; ++k)
                     side[i].arm[k] = N::times_power_of_two(N::work(from.arm[k]), N::fixed_point ? from.arm_log2 : 0);
-                for (int k = 0; k < 2; ++k) side[i].axis[k] = work_unit<N>(from.axis[k]);
+                for (int k = 0; k < 2; ++k) side[i].axis[k] = from.axis[k];
             }
             for (int i = 0; i < 3; ++i) anchor[i] = N::sum(record.anchor[i]);
             loads.joint_springs().set(place, along, side, anchor,

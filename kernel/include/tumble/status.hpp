@@ -25,8 +25,10 @@ enum class Issue : std::uint8_t {
     // add() was called on a full world, or with a joint that closes a loop; nothing was added. Raise the capacity in
     // the scene, or ask World::fault_of().
     world_full = 8,
-    // The step is too long and adds energy: for a spring, a damper or drag when it was added, for contacts by springs,
-    // or for two bodies that attract each other. Or a link swings under the force of its joint faster than an eighth of
+    // The step is too long and adds energy: for a spring, a damper or drag when it was added, for a spring of a joint
+    // in
+    // the next step, for contacts by springs, or for two bodies that attract each other. Or a link swings under the
+    // force of its joint faster than an eighth of
     // the step follows. Take a smaller step; for contacts by springs at most World::largest_safe_step().
     step_too_long = 16,
     // A step had more impacts or searches than ContactSpec allows, or sweeps without an end: allow more. What was left

@@ -5,7 +5,7 @@
 #pragma once
 
 #include <tumble/loads/loaded_group.hpp>
-#include <tumble/numbers/functions.hpp>
+#include <tumble/shapes/axes.hpp>
 
 namespace tumble {
 
@@ -14,13 +14,16 @@ template <class N, int joints, int bodies>
 class JointSprings {
 public:
     using Work = typename N::Work;
+    using Unit = typename N::Unit;
     using Vector = WorkVec3<N>;
+    using Direction = Vec3<Unit>;
     // What a spring is along.
     enum class Along : std::uint8_t { nothing, turn, turns, whole_turn, slide, line };
-    // As the world knows a side of the joint: the arm and the axes in principal axes, m.
+    // As the world knows a side of the joint: the arm, m, and the axes in principal axes.
     struct Side {
         int body = -1;  // -1: the world
-        Vector arm{}, axis[2]{};
+        Vector arm{};
+        StoredVec3<Unit> axis[2]{};
     };
 
     constexpr JointSprings(Real, const WorldSpec&) {}
@@ -107,38 +110,56 @@ private:
     struct End {
         const Side& side;
         int place = -1;  // in the group; -1: the world, or a body that stands still
-        Quat<Work> q{Work(1), zero_vector<N>()};
-        Vector spin = zero_vector<N>(), velocity = spin;  // rad/s and m/s, world
+        Axes<N> axes{};  // of a body
+        Vector spin_b = zero_vector<N>(), velocity = zero_vector<N>();  // rad/s, principal axes; m/s, world
 
         End(const Group& group, const Side& of) : side{of} {
             if (of.body < 0) return;
             place = group.place_of(of.body);
             if (place < 0) {
-                q = work_quaternion<N>(group.bodies.state[of.body].q_wb.value());
+                axes = Axes<N>::of(group.bodies.state[of.body].q_wb.value());
                 return;
             }
             const auto& stage = group.stage[place];
             const Work rate =
                 group.whole ? group.steps_per_second : group.steps_per_second * Group::L::work(group.per_length);
-            q = work_quaternion<N>(stage.q_wb);
+            axes = Axes<N>::of(stage.q_wb);
             for (int i = 0; i < 3; ++i) {
-                spin[i] = N::half_turn(stage.t_b[i], group.bodies.scale) *
-                          group.bodies.constants[of.body].units.rate(i, rate);
+                spin_b[i] = N::half_turn(stage.t_b[i], group.bodies.scale) *
+                            group.bodies.constants[of.body].units.rate(i, rate);
                 velocity[i] = N::metres(stage.d_w[i], group.bodies.scale) * rate;
             }
-            spin = rotate(q, spin);
         }
-        [[nodiscard]] Vector axis(int k) const { return rotate(q, side.axis[k]); }
-        [[nodiscard]] Vector arm() const { return rotate(q, side.arm); }
+        [[nodiscard]] Direction axis(int k) const {
+            const Direction own{side.axis[k]};
+            return side.body < 0 ? own : axes.to_world(own);
+        }
+        [[nodiscard]] Vector to_world(const Vector& v) const {
+            return {dot(work_unit<N>(axes.row[0]), v), dot(work_unit<N>(axes.row[1]), v),
+                    dot(work_unit<N>(axes.row[2]), v)};
+        }
+        [[nodiscard]] Vector to_body(const Vector& v) const {
+            Vector own = zero_vector<N>();
+            for (int i = 0; i < 3; ++i) own += scaled_by(work_unit<N>(axes.row[i]), v[i]);
+            return own;
+        }
+        [[nodiscard]] Vector arm() const { return to_world(side.arm); }
+        [[nodiscard]] Vector spin() const { return place < 0 ? zero_vector<N>() : to_world(spin_b); }
+        // About the first axis of this side.
+        [[nodiscard]] Work rate() const { return place < 0 ? Work(0) : Work(dot(work_unit<N>(side.axis[0]), spin_b)); }
+        // N m, in principal axes.
+        void add_own_torque(const Group& group, const Vector& torque) const {
+            if (place >= 0)
+                group.turn(place, Group::L::Vector::of(torque[0], torque[1], torque[2]),
+                           Group::L::factor(group.seconds));
+        }
         void add_torque(const Group& group, const Vector& torque) const {
-            if (place < 0) return;
-            const Vector own = rotate_back(q, torque);
-            group.turn(place, Group::L::Vector::of(own[0], own[1], own[2]), Group::L::factor(group.seconds));
+            if (place >= 0) add_own_torque(group, to_body(torque));
         }
         // At an arm from the centre of mass, world.
         void add_force(const Group& group, const Vector& force, const Vector& arm) const {
             if (place < 0) return;
-            const Vector own = rotate_back(q, arm);
+            const Vector own = to_body(arm);
             group.push(place, Group::L::Vector::of(force[0], force[1], force[2]), Group::L::factor(group.seconds),
                        Group::L::Vector::of(own[0], own[1], own[2]));
         }
@@ -165,36 +186,71 @@ private:
     [[nodiscard]] static Work strength(const Entry& entry, int i, Work at, Work rate) {
         return -(entry.stiffness[i] * (at - entry.rest[i]) + entry.damping[i] * rate);
     }
+    // The angle of the direction (x, y), in (-pi, pi]; 0 of no direction. Of the quotient t of the smaller and the
+    // larger, or of (t - 1) / (t + 1), which is below tan(pi / 8), by the series t - t^3 / 3 + t^5 / 5 .., to rounding.
+    [[nodiscard]] static Work angle_of(Work y, Work x) {
+        static constexpr int terms = std::is_same_v<Work, double> ? 20 : 11;
+        static constexpr Stored<Work, terms> coefficient = [] {
+            Stored<Work, terms> of{};
+            for (int i = 0; i < terms; ++i)
+                of.set(i, N::template constant<Work>(Real{1} / Real{i % 2 == 0 ? 2 * i + 1 : -2 * i - 1}));
+            return of;
+        }();
+        static constexpr Work half = N::template constant<Work>(Real::scaled(0x3243f6a8885a308d, -60)),
+                              eighth_tangent = N::template constant<Work>(0.41421356);
+        const Work width = magnitude_of(x), height = magnitude_of(y);
+        const bool is_steep = width < height;
+        const Work larger = is_steep ? height : width;
+        if (!(larger > Work(0))) return Work(0);
+        Work t = (is_steep ? width : height) / larger;
+        const bool is_far = t > eighth_tangent;
+        if (is_far) t = (t - Work(1)) / (t + Work(1));
+        const Work square = t * t;
+        Work sum = coefficient[terms - 1];
+        for (int i = terms - 2; i >= 0; --i) sum = sum * square + coefficient[i];
+        const Work quarter = N::half_of(half);
+        Work angle = t * sum;
+        if (is_far) angle += N::half_of(quarter);
+        if (is_steep) angle = quarter - angle;
+        if (x < Work(0)) angle = half - angle;
+        return y < Work(0) ? -angle : angle;
+    }
     // From one direction to another about an axis.
-    [[nodiscard]] static Work angle(const Vector& from, const Vector& to, const Vector& about) {
-        return arc_tangent(Work(dot(cross<Work>(from, to), about)), Work(dot(from, to)));
+    [[nodiscard]] static Work angle(const Direction& from, const Direction& to, const Direction& about) {
+        return angle_of(N::work(narrow<Unit>(dot(cross<Unit>(from, to), about))), N::work(narrow<Unit>(dot(from, to))));
     }
     template <class Group>
     static void turn(const Group& group, const Entry& entry, const End<Group>& own, const End<Group>& other) {
-        const Vector rate = own.spin - other.spin;
+        if (entry.along == Along::turn) {
+            // Both bodies have the axis: nothing is turned into the world.
+            const Work torque =
+                strength(entry, 0, angle(other.axis(1), own.axis(1), own.axis(0)), own.rate() - other.rate());
+            own.add_own_torque(group, scaled_by(work_unit<N>(own.side.axis[0]), torque));
+            other.add_own_torque(group, scaled_by(work_unit<N>(other.side.axis[0]), -torque));
+            return;
+        }
+        const Vector rate = own.spin() - other.spin();
         Vector torque = zero_vector<N>();
         if (entry.along == Along::whole_turn) {
-            // Of the turn R by the angle a about n: sum of axes (R e) x e = -2 sin(a) n, and 1 + 2 cos(a) is its trace.
+            // Of the turn R by the angle a about n: sum of axes e x (R e) = 2 sin(a) n, and 1 + 2 cos(a) is its trace.
             Vector twice_sine = zero_vector<N>();
             Work trace(0);
-            const Vector of_own[3] = {own.axis(0), own.axis(1), cross<Work>(own.axis(0), own.axis(1))},
-                         of_other[3] = {other.axis(0), other.axis(1), cross<Work>(other.axis(0), other.axis(1))};
+            const Direction of_own[3] = {own.axis(0), own.axis(1), cross<Unit>(own.axis(0), own.axis(1))},
+                            of_other[3] = {other.axis(0), other.axis(1), cross<Unit>(other.axis(0), other.axis(1))};
             for (int i = 0; i < 3; ++i) {
-                twice_sine += cross<Work>(of_other[i], of_own[i]);
-                trace += dot(of_other[i], of_own[i]);
+                twice_sine += work_unit<N>(cross<Unit>(of_other[i], of_own[i]));
+                trace += N::work(narrow<Unit>(dot(of_other[i], of_own[i])));
             }
             const Work sine = N::half_of(Work(sqrt(Work(dot(twice_sine, twice_sine)))));
-            const Work whole = arc_tangent(sine, N::half_of(Work(trace - Work(1))));
+            const Work whole = angle_of(sine, N::half_of(Work(trace - Work(1))));
             torque = scaled_by(rate, -entry.damping[0]);
             if (sine > Work(0)) torque += scaled_by(twice_sine, -N::half_of(Work(entry.stiffness[0] * whole / sine)));
         } else {
-            const Vector axis = own.axis(0), other_axis = other.axis(0);
-            const bool both = entry.along == Along::turns;
-            torque = scaled_by(
-                axis, strength(entry, 0, angle(both ? other_axis : other.axis(1), own.axis(1), axis), dot(axis, rate)));
-            if (both)
-                torque += scaled_by(other_axis,
-                                    strength(entry, 1, -angle(axis, other.axis(1), other_axis), dot(other_axis, rate)));
+            const Direction axis = own.axis(0), other_axis = other.axis(0);
+            const Vector about = work_unit<N>(axis), about_other = work_unit<N>(other_axis);
+            torque = scaled_by(about, strength(entry, 0, angle(other_axis, own.axis(1), axis), dot(about, rate))) +
+                     scaled_by(about_other,
+                               strength(entry, 1, -angle(axis, other.axis(1), other_axis), dot(about_other, rate)));
         }
         own.add_torque(group, torque);
         other.add_torque(group, -torque);
@@ -210,7 +266,7 @@ private:
         }
         const Vector other_arm = entry.side[1].body < 0 ? zero_vector<N>() : other.arm();
         const Vector reach = between + arm - other_arm;  // from the other's anchor to the body's
-        Vector along = entry.along == Along::slide ? other.axis(0) : reach;
+        Vector along = entry.along == Along::slide ? work_unit<N>(other.axis(0)) : reach;
         Work length(0);
         if (entry.along == Along::line) {
             length = sqrt(Work(dot(reach, reach)));
@@ -222,7 +278,7 @@ private:
         // The other side's point at the place of the body's anchor.
         const Vector at_own = other_arm + reach;
         const Vector rate =
-            own.velocity + cross<Work>(own.spin, arm) - other.velocity - cross<Work>(other.spin, at_own);
+            own.velocity + cross<Work>(own.spin(), arm) - other.velocity - cross<Work>(other.spin(), at_own);
         const Vector force = scaled_by(along, strength(entry, 0, length, dot(along, rate)));
         own.add_force(group, force, arm);
         other.add_force(group, -force, at_own);
