@@ -401,6 +401,9 @@ std::string struct_name(const std::string& path) {
 
 std::string compiled_scene(const SceneDescription& scene, const Choice& choice, const std::string& name) {
     const SceneData data = build_scene(scene);
+    std::vector<BodySpec> bodies = data.bodies;
+    if (!needs(data).layers)
+        for (BodySpec& body : bodies) body.layers = BodySpec::all_layers;  // where nothing touches they say nothing
     const Method method = choice.method(scene);
     const NumberSystemInfo& numbers = find_number_system(scene, method.numbers, method.carry);
     const IntegratorInfo& integrator = find_integrator(method.integrator);
@@ -421,7 +424,7 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice, 
          << " {\n    static constexpr const char* name = " << cpp_text(scene.name)
          << ";\n    static constexpr tumble::Seconds step" << step_in_cpp(scene.step)
          << ";\n    static constexpr std::uint32_t steps = " << data.steps << "u;\n"
-         << world_text(data.world) << list_text("BodySpec", "bodies", scene.bodies, data.bodies, body_text)
+         << world_text(data.world) << list_text("BodySpec", "bodies", scene.bodies, bodies, body_text)
          << ids_text(scene.bodies) << list_text("PlaneSpec", "planes", scene.planes, data.planes, plane_text)
          << list_text("SpringSpec", "springs", scene.springs, data.springs, spring_text)
          << joints_text(scene.joints, data.joints) << loads_text(data)

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "tools/text.hpp"
+#include "truth/motion.hpp"
 
 namespace tumble::host {
 namespace {
@@ -208,12 +209,13 @@ public:
         json_["meshes"].push_back({{"primitives", Json::array({primitive})}});
         return json_["meshes"].size() - 1;
     }
-    // A part of the scene. Returns its node.
-    std::size_t place(const std::string& name, std::size_t mesh, const auto& position, const auto& orientation) {
+    // A part of the scene, or of a part of it, with which it moves. Returns its node.
+    std::size_t place(const std::string& name, std::size_t mesh, const auto& position, const auto& orientation,
+                      std::optional<std::size_t> of = {}) {
         json_["nodes"].push_back(
             {{"name", name}, {"mesh", mesh}, {"translation", position}, {"rotation", orientation}});
         const std::size_t node = json_["nodes"].size() - 1;
-        json_["scenes"][0]["nodes"].push_back(node);
+        (of ? json_["nodes"][*of]["children"] : json_["scenes"][0]["nodes"]).push_back(node);
         return node;
     }
     // The numbers at the times are those of a node's "translation" or "rotation".
@@ -257,10 +259,57 @@ std::array<double, 4> turn_from_y(const Triple& to) {
     return {to[2] / (2 * w), 0, -to[0] / (2 * w), w};
 }
 
-constexpr Colour of_planes{0.55, 0.55, 0.55}, of_fixed{0.3, 0.3, 0.35};
+// The same from z.
+std::array<double, 4> turn_from_z(const Triple& to) {
+    if (to[2] < -0.999999) return {1, 0, 0, 0};
+    const double w = std::sqrt((1 + to[2]) / 2);
+    return {-to[1] / (2 * w), to[0] / (2 * w), 0, w};
+}
+
+constexpr Colour of_planes{0.55, 0.55, 0.55}, of_fixed{0.3, 0.3, 0.35}, of_joints{0.02, 0.02, 0.02};
 // Of Okabe and Ito (2008), which colour-blind readers tell apart, from sRGB.
 constexpr Colour of_bodies[] = {{0.787, 0.346, 0}, {0.092, 0.456, 0.811}, {0, 0.342, 0.171},    {0.871, 0.776, 0.054},
                                 {0, 0.168, 0.445}, {0.665, 0.112, 0},     {0.603, 0.191, 0.386}};
+
+// How far corners of a mesh are from its origin along a direction of unit length, m.
+double extent_along(const Mesh& mesh, const reference::Vector& direction) {
+    double most = 0;
+    for (std::size_t i = 0; i < mesh.positions.size(); i += 3) {
+        const reference::Vector corner{mesh.positions[i], mesh.positions[i + 1], mesh.positions[i + 2]};
+        most = std::max(most, std::abs(static_cast<double>(dot(corner, direction))));
+    }
+    return most;
+}
+
+// A joint, which moves with its body: a ball; a cube of a fixed joint; pins along the axes of others, the longer and
+// thinner one of a slider. All of them stand out of the body.
+void place_joint(Document& document, const JointDescription& joint, const BodyDescription& body, const Mesh& mesh,
+                 std::size_t node) {
+    const reference::Rotation to_world = reference::rotation_of(body.orientation).normalized();
+    const auto triple = [](const reference::Vector& v) {
+        return Triple{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+    };
+    const Triple at =
+        triple(to_world.rotate_back(reference::vector_of(joint.anchor) - reference::vector_of(body.position)));
+    const double thickness =
+        std::min({extent_along(mesh, {1, 0, 0}), extent_along(mesh, {0, 1, 0}), extent_along(mesh, {0, 0, 1})});
+    const auto add = [&](const Mesh& pin, const std::array<double, 4>& turn) {
+        (void)document.place(joint.name, document.add(pin, of_joints, false), at, turn, node);
+    };
+    Mesh knob;
+    if (joint.kind == JointKind::ball) add_ball(knob, 1.25 * thickness);
+    if (joint.kind == JointKind::fixed) add_box(knob, {2.125 * thickness, 2.125 * thickness, 2.125 * thickness});
+    if (!knob.positions.empty()) return add(knob, {0, 0, 0, 1});
+    for (const Triple& axis : {joint.axis, joint.to_axis}) {
+        if (axis == Triple{}) continue;
+        const reference::Vector world = reference::vector_of(axis),
+                                own = to_world.rotate_back(world * (1 / norm(world)));
+        const bool slides = joint.kind == JointKind::slider;
+        Mesh pin;
+        add_cylinder(pin, thickness / (slides ? 8 : 4), (slides ? 6 : 2.5) * extent_along(mesh, own));
+        add(pin, turn_from_z(triple(own)));
+    }
+}
 
 }  // namespace
 
@@ -321,6 +370,8 @@ std::string Gltf::text() const {
         if (!times && (moves || turns)) times = document.add(times_, 1, 0, true);
         if (moves) document.animate(node, "translation", *times, document.add(positions, 3));
         if (turns) document.animate(node, "rotation", *times, document.add(orientations, 4));
+        for (const JointDescription& joint : scene_.joints)
+            if (joint.body == static_cast<int>(b)) place_joint(document, joint, body, mesh, node);
     }
     for (const PlaneDescription& plane : scene_.planes) {
         const double norm = std::hypot(plane.normal[0], plane.normal[1], plane.normal[2]);

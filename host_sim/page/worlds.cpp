@@ -26,7 +26,9 @@ std::unique_ptr<Simulation> make_at(std::size_t wanted, SceneData& data, std::st
 
 }  // namespace
 
-bool is_module_built(std::size_t index, std::string_view, bool has_joints) { return is_there[index] && !has_joints; }
+bool is_module_built(std::size_t index, const SceneData& data, std::string_view) {
+    return is_there[index] && data.joints.empty();
+}
 
 std::unique_ptr<Simulation> make_in_module(std::size_t index, SceneData data, std::string_view integrator) {
     return make_at<0>(index, data, integrator);

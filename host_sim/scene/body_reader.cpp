@@ -176,6 +176,8 @@ BodyDescription read_body(Table table, const SceneDescription& scene, RangeDescr
     table.optional("wheel_momentum", body.wheel_momentum, Quantity{Quantity::any, "N m s", "x, y, z"});
     table.optional("fixed", body.fixed);
     table.optional("kinematic", body.kinematic);
+    if (const auto layers = table.find("layers"))
+        body.layers = static_cast<int>(layers->whole(0, BodySpec::all_layers));
     body.fixed = body.fixed || body.kinematic;
     table.finish();
 

@@ -84,7 +84,8 @@ AnyJointSpec joint_of(const JointDescription& joint) {
 bool any_pair_meets(const std::vector<BodySpec>& bodies) {
     for (const BodySpec& a : bodies) {
         if (std::any_of(bodies.begin(), bodies.end(), [&](const BodySpec& b) {
-                return &a != &b && meets(a.shape.kind, b.shape.kind) && !(a.is_fixed() && b.is_fixed());
+                return &a != &b && meets(a.shape.kind, b.shape.kind) && (a.layers & b.layers) != 0 &&
+                       !(a.is_fixed() && b.is_fixed());
             }))
             return true;
     }
@@ -177,12 +178,18 @@ SceneData build_scene(const SceneDescription& scene) {
                           .most_searches = by_impulses ? contact.most_searches : 0,
                           .most_sweeps = by_impulses ? contact.most_sweeps : 0,
                           .exact_bodies = by_impulses ? contact.exact_bodies : ContactSpec::few};
-    for (const BodyDescription& body : scene.bodies) data.bodies.push_back(body_of(body));
+    for (const BodyDescription& body : scene.bodies) {
+        data.bodies.push_back(body_of(body));
+        data.bodies.back().layers =
+            static_cast<std::uint16_t>(scene.layers_of(static_cast<int>(data.bodies.size()) - 1));
+    }
     add_loads_of_bodies(scene, data);
     if (const auto& gradient = scene.gravity_gradient)
         data.orbit = {gradient->orbit_rate, real_vector(gradient->to_centre)};
+    const bool any_in_a_layer =
+        std::any_of(data.bodies.begin(), data.bodies.end(), [](const BodySpec& body) { return body.layers != 0; });
     for (const PlaneDescription& plane : scene.planes) {
-        if (contact.response != ContactResponse::none)
+        if (contact.response != ContactResponse::none && (any_in_a_layer || data.bodies.empty()))
             data.planes.push_back({real_vector(plane.normal), plane.offset, or_default(plane.restitution),
                                    or_default(plane.friction), or_default(plane.rolling_resistance),
                                    or_default(plane.spinning_resistance)});
@@ -219,6 +226,7 @@ Features needs(const SceneData& scene) {
     const auto is_moving_other = [](const BodySpec& body) {
         return !body.is_fixed() && body.shape.kind != ShapeKind::sphere;
     };
+    const auto is_layered = [](const BodySpec& body) { return body.layers != BodySpec::all_layers; };
     const auto moving = static_cast<int>(
         std::count_if(scene.bodies.begin(), scene.bodies.end(), [](const BodySpec& body) { return !body.is_fixed(); }));
     const auto is_turntable = [](const BodySpec& body) { return body.fixed && !body.angular_velocity.is_zero(); };
@@ -234,8 +242,7 @@ Features needs(const SceneData& scene) {
         scene.bodies.empty() || any(scene.bodies, [](const BodySpec& body) { return !is_point_mass(body); });
     const WorldSpec& world = scene.world;
     const ContactResponse response = world.contact.response;
-    // The reader refuses a scene in which others than jointed bodies may meet beside joints: these touch nothing.
-    const bool pairs = response != ContactResponse::none && scene.joints.empty() && any_pair_meets(scene.bodies);
+    const bool pairs = response != ContactResponse::none && any_pair_meets(scene.bodies);
     // Planes need a response and a body that may touch them.
     const std::size_t planes = rotation ? scene.planes.size() : 0;
     const bool touches = planes > 0 || pairs, by_impulses = touches && response == ContactResponse::impulse,
@@ -262,6 +269,7 @@ Features needs(const SceneData& scene) {
         .pairs = pairs,
         .boxes = (by_impulses || by_springs) && any(scene.bodies, is_box),
         .round_shapes = planes > 0 && any(scene.bodies, is_moving_round),
+        .layers = touches && any(scene.bodies, is_layered),
         .friction = rolls_hard || (by_impulses && (is_rough(world.contact) || any(scene.bodies, is_rough) ||
                                                    any(scene.planes, is_rough))),
         .rolling_resistance = rolls_hard,

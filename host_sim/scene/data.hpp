@@ -34,16 +34,11 @@ public:
 };
 
 // A joint of any kind, as a Replay takes it.
-template <class Kinds>
-struct AnyJoint;
-template <class... Kinds>
-struct AnyJoint<JointKindList<Kinds...>> : std::variant<typename Kinds::Spec...> {
-    using Variant = std::variant<typename Kinds::Spec...>;
-    using Variant::Variant;
+struct AnyJointSpec : std::variant<HingeSpec, BallSpec, FixedSpec, SliderSpec, UniversalSpec> {
+    using variant::variant;
     // Calls f(spec).
-    void visit(const auto& f) const { std::visit(f, static_cast<const Variant&>(*this)); }
+    void visit(const auto& f) const { std::visit(f, static_cast<const variant&>(*this)); }
 };
-using AnyJointSpec = AnyJoint<JointKinds>;
 
 struct SceneData {
     std::string name;

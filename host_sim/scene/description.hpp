@@ -3,6 +3,7 @@
 // read_scene() has checked every value here by the rules of the format.
 #pragma once
 
+#include <tumble/body/setup.hpp>
 #include <tumble/events/script.hpp>
 
 #include <algorithm>
@@ -50,6 +51,7 @@ struct BodyDescription {
     Triple wheel_momentum{};                         // N m s, body frame, user's axes
     bool fixed = false;                              // nothing pushes it; true of a kinematic body too
     bool kinematic = false;                          // moves as its velocity says
+    std::optional<int> layers{};                     // mask of 16 bits; none: see SceneDescription::layers_of()
 
     // True of a body without rotation.
     [[nodiscard]] bool is_point_mass() const { return shape.kind == ShapeKind::none && !inertia; }
@@ -170,6 +172,13 @@ struct SceneDescription {
     [[nodiscard]] bool is_jointed(int index) const {
         return std::any_of(joints.begin(), joints.end(),
                            [&](const auto& joint) { return joint.body == index || joint.to_body == index; });
+    }
+
+    // The layers of a body: those that it names, else all of them; of a jointed body that moves none, since such bodies
+    // touch nothing yet.
+    [[nodiscard]] int layers_of(int index) const {
+        const BodyDescription& b = body(index);
+        return b.layers ? *b.layers : is_jointed(index) && !b.fixed ? 0 : BodySpec::all_layers;
     }
 
     // False where all bodies are point masses: nothing can turn.

@@ -79,9 +79,9 @@ EventDescription read_event(Table table, const SceneDescription& scene, RangeDes
         check_not_zero(table.at("orientation"), event.orientation.data(), event.orientation.size(),
                        "a quaternion [w, x, y, z] whose length is not 0");
     if (acts_on_a_body) refuse_rotation(table, event, scene.body(event.body));
-    if (event.kind == EventKind::angular_velocity && scene.body(event.body).fixed && !scene.joints.empty())
-        table.at("kind").fail("it makes a turntable of body " + in_quotes(body) + ", which is fixed",
-                              "a body that moves: joints are not simulated beside turntables yet");
+    if (event.kind == EventKind::angular_velocity && scene.body(event.body).fixed && scene.is_jointed(event.body))
+        table.at("kind").fail("it makes a turntable of body " + in_quotes(body) + ", which is fixed and in a joint",
+                              "a body that moves, or one in no joint: joints tie to what does not move by itself");
     check_ranges(table, event, range);
     return event;
 }

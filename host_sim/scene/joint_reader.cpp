@@ -127,6 +127,9 @@ void check_sides(Table& table, const JointDescription& joint, const SceneDescrip
         if (side < 0) continue;
         const char* const key = side == joint.body ? "body" : "to_body";
         const BodyDescription& body = scene.body(side);
+        if (body.kinematic || (body.fixed && body.angular_velocity != Triple{}))
+            table.at(key).fail("body " + in_quotes(body.name) + (body.kinematic ? " is kinematic" : " is a turntable"),
+                               "a body that does not move by itself");
         if (body.is_point_mass())
             table.at(key).fail("body " + in_quotes(body.name) + " is a point mass, which has no rotation",
                                "a body with a shape or inertia = [...] (kg m^2)");
@@ -162,10 +165,35 @@ void check_arms(Table& table, const JointDescription& joint, const SceneDescript
     }
 }
 
-// The first body that moves and that a joint ties.
-const BodyDescription& first_jointed(const SceneDescription& scene) {
-    const JointDescription& joint = scene.joints.front();
-    return scene.body(node_of(scene, joint.body) == base ? joint.to_body : joint.body);
+// Bodies that springs and gravitation tie to jointed bodies, and these, with how far each is from them.
+std::vector<bool> coupled_to_joints(const SceneDescription& scene) {
+    const auto count = scene.bodies.size();
+    std::vector<bool> is_coupled(count, scene.gravitation > 0);
+    for (std::size_t b = 0; b < count; ++b)
+        if (scene.is_jointed(static_cast<int>(b))) is_coupled[b] = true;
+    for (std::size_t pass = 0; pass < count; ++pass)
+        for (const SpringDescription& spring : scene.springs) {
+            if (spring.to_body < 0 || scene.body(spring.body).fixed || scene.body(spring.to_body).fixed) continue;
+            const auto one = static_cast<std::size_t>(spring.body), other = static_cast<std::size_t>(spring.to_body);
+            is_coupled[one] = is_coupled[other] = is_coupled[one] || is_coupled[other];
+        }
+    for (std::size_t b = 0; b < count; ++b)
+        if (scene.bodies[b].fixed) is_coupled[b] = false;
+    return is_coupled;
+}
+
+// What a body passes through though its shape would touch it, were it in a layer; empty: nothing. Bodies in joints pass
+// through each other, and need not say so.
+std::string passed_by(const SceneDescription& scene, std::size_t b) {
+    const BodyDescription& body = scene.bodies[b];
+    const ShapeKind shape = shape_of(body.shape).kind;
+    if (shape == ShapeKind::none) return "";
+    if (!scene.planes.empty()) return "plane " + in_quotes(scene.planes.front().name);
+    for (std::size_t other = 0; other < scene.bodies.size(); ++other)
+        if (!scene.is_jointed(static_cast<int>(other)) && scene.layers_of(static_cast<int>(other)) != 0 &&
+            shapes_meet(shape, scene.bodies[other].shape.kind))
+            return "body " + in_quotes(scene.bodies[other].name);
+    return "";
 }
 
 }  // namespace
@@ -204,32 +232,32 @@ JointDescription read_joint(Table table, const SceneDescription& scene, RangeDes
     return joint;
 }
 
-void check_beside_joints(const std::vector<Table>& joints, const SceneDescription& scene) {
-    if (joints.empty()) return;
-    const auto refuse = [&](const std::string& problem, const std::string& wanted) {
-        joints.front().place().fail(problem, wanted);
-    };
-    for (const BodyDescription& body : scene.bodies)
-        if (body.kinematic || (body.fixed && body.angular_velocity != Triple{}))
-            refuse("body " + in_quotes(body.name) + (body.kinematic ? " is kinematic" : " is a turntable"),
-                   "no body that moves by itself: joints are not simulated beside such yet");
-    if (scene.contact.response == ContactResponse::none) return;
-    const std::string none = "[contact] response = \"none\", with which nothing touches",
-                      first = in_quotes(first_jointed(scene).name);
-    if (!scene.planes.empty())
-        refuse("jointed bodies touch nothing yet, so " + first + " would fall through plane " +
-                   in_quotes(scene.planes.front().name),
-               "no plane, or " + none);
-    for (std::size_t a = 0; a < scene.bodies.size(); ++a) {
-        if (scene.is_jointed(static_cast<int>(a))) continue;
-        for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-            const BodyDescription &one = scene.bodies[a], &other = scene.bodies[b];
-            if (a == b || (one.fixed && other.fixed) || !shapes_meet(one.shape.kind, other.shape.kind)) continue;
-            refuse("contacts are not simulated beside joints yet, and bodies " + in_quotes(one.name) + " and " +
-                       in_quotes(other.name) + " may touch",
-                   none);
-        }
+void check_layers_of_joints(const std::vector<Table>& bodies, const std::vector<Table>& joints,
+                            const SceneDescription& scene) {
+    if (joints.empty() || scene.contact.response == ContactResponse::none) return;
+    const std::string none = "layers = 0, with which it touches nothing";
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+        const BodyDescription& body = scene.bodies[b];
+        if (body.fixed || !scene.is_jointed(static_cast<int>(b))) continue;
+        Table table = bodies[b];
+        if (body.layers.value_or(0) != 0)
+            table.at("layers").refuse("0: body " + in_quotes(body.name) +
+                                      " is in a joint, and jointed bodies touch nothing yet");
+        if (const std::string passed = passed_by(scene, b); !body.layers && !passed.empty())
+            table.fail("layers", "missing",
+                       none + ": it is in a joint, jointed bodies touch nothing yet, and it would pass through " +
+                           passed);
     }
+    if (!needs(build_scene(scene)).touches()) return;
+    const std::vector<bool> is_coupled = coupled_to_joints(scene);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+        if (is_coupled[b] && shape_of(scene.bodies[b].shape).kind != ShapeKind::none &&
+            scene.layers_of(static_cast<int>(b)) != 0) {
+            Table table = bodies[b];
+            const std::string problem = "a spring or gravitation ties it to jointed bodies, which touch nothing yet";
+            if (table.has("layers")) table.at("layers").fail(problem, none);
+            table.fail("layers", problem, none);
+        }
 }
 
 }  // namespace tumble::host

@@ -206,7 +206,7 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
     for (const Table& table : impulses) scene.impulses.push_back(read_impulse(table, scene));
     for (const Table& table : forces) scene.forces.push_back(read_force(table, scene));
     for (const Table& table : events) scene.events.push_back(read_event(table, scene, scene.range));
-    check_beside_joints(joints, scene);
+    check_layers_of_joints(bodies, joints, scene);
     if (expect) scene.expected = read_expectation(*expect);
     return scene;
 }

@@ -19,8 +19,10 @@ inline constexpr Quantity seconds{Quantity::not_negative, "s"};
 [[nodiscard]] SpringDescription read_spring(Table table, const SceneDescription& scene, RangeDescription& range);
 // Joints name bodies, and are read one after the other: a joint that closes a loop with those of the scene is refused.
 [[nodiscard]] JointDescription read_joint(Table table, const SceneDescription& scene, RangeDescription& range);
-// Throws where the scene has what jointed bodies cannot be beside; `joints` are the tables of its joints.
-void check_beside_joints(const std::vector<Table>& joints, const SceneDescription& scene);
+// Throws where a jointed body, or one that loads tie to it, would touch something, and where it would pass through
+// something and does not say so. The tables of the scene's bodies and joints.
+void check_layers_of_joints(const std::vector<Table>& bodies, const std::vector<Table>& joints,
+                            const SceneDescription& scene);
 [[nodiscard]] ImpulseDescription read_impulse(Table table, const SceneDescription& scene);
 [[nodiscard]] ForceDescription read_force(Table table, const SceneDescription& scene);
 // `live`: an event that a program sends, which has no time.

@@ -9,7 +9,6 @@
 
 namespace tumble::host {
 
-// In the order of the kernel's JointKinds.
 enum class JointKind { hinge, ball, fixed, slider, universal };
 
 // One choice of a fixed set of words.

@@ -96,7 +96,8 @@ std::string scene_text(const SceneDescription& scene) {
                 line("quadratic_drag", b.quadratic_drag) +
                 line("wheel_momentum", b.is_point_mass() ? std::string() : text_of(b.wheel_momentum)) +
                 line("fixed", b.fixed && !b.kinematic ? std::string("true") : "") +
-                line("kinematic", b.kinematic ? std::string("true") : "");
+                line("kinematic", b.kinematic ? std::string("true") : "") +
+                line("layers", b.layers ? std::to_string(*b.layers) : "");
     for (const SpringDescription& s : scene.springs)
         text += "\n[[spring]]\n" + line("body", name_of(s.body)) + line("point", s.point) +
                 (s.to_body < 0 ? line("to", s.to) : line("to_body", name_of(s.to_body)) + line("to_point", s.to)) +

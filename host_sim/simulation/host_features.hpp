@@ -15,12 +15,16 @@ inline constexpr Features host_features = [] {
     return f;
 }();
 
-// Those of a scene with joints, beside which nothing touches and no fixed body moves by itself.
+// Those of scenes with joints. Most of them have no contacts, and their worlds compile in half the time without.
 inline constexpr Features joint_features = [] {
     Features f = host_features;
     f.joints = max_joints;
+    return f;
+}();
+inline constexpr Features joint_features_without_contacts = [] {
+    Features f = joint_features;
     f.planes = 0;
-    f.pairs = f.turntables = f.kinematic = false;
+    f.pairs = false;
     return f;
 }();
 

@@ -1,9 +1,11 @@
+#include <tumble/body/mass.hpp>
 #include <tumble/shapes/pairs.hpp>
 
 #include <algorithm>
 #include <cmath>
 
 #include "scene/data.hpp"
+#include "simulation/long_double.hpp"
 #include "simulation/simulation.hpp"
 #include "tools/text.hpp"
 #include "truth/smooth_motion.hpp"
@@ -67,10 +69,88 @@ std::string other_impulse(const ForceDescription& force, const SceneDescription&
            "; take a shorter step" + (until == from ? " or an impulse" : "");
 }
 
+// A joint's side that hangs on it: the bodies that the joint and what hangs on it alone hold.
+struct Hanging {
+    double mass = 0;       // kg
+    int heaviest = -1;     // body
+    bool is_held = false;  // by the world or a fixed body, past other joints
+};
+// Adds body b and what joints tie to it, but for joint `by`.
+void add_hanging(const SceneDescription& scene, const SceneData& data, int b, std::size_t by, Hanging& to) {
+    if (b < 0 || scene.body(b).fixed) {
+        to.is_held = true;
+        return;
+    }
+    const auto mass_of = [&](int body) { return data.bodies[static_cast<std::size_t>(body)].mass.to_double(); };
+    to.mass += mass_of(b);
+    if (to.heaviest < 0 || mass_of(b) > mass_of(to.heaviest)) to.heaviest = b;
+    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+        const JointDescription& joint = scene.joints[j];
+        if (j != by && joint.body == b) add_hanging(scene, data, joint.to_body, j, to);
+        if (j != by && joint.to_body == b) add_hanging(scene, data, joint.body, j, to);
+    }
+}
+
+// rad/s^2 per N: the most that a force at a joint's anchor swings a body about a principal axis, |e x r| / I.
+double swing_of(const BodySpec& body, const Triple& anchor) {
+    const PrincipalInertia inertia = principal_inertia(body.inertia);
+    const reference::Rotation to_world = rotation(body.orientation).normalized() * rotation(inertia.principal);
+    const reference::Vector arm = to_world.rotate_back(reference::vector_of(anchor) - vector(body.position)),
+                            moments = vector(inertia.moments);
+    double most = 0;
+    for (int i = 0; i < 3; ++i)
+        most = std::max(most, static_cast<double>(std::hypot(arm[(i + 1) % 3], arm[(i + 2) % 3]) / moments[i]));
+    return most;
+}
+
+// The light link that joints swing the fastest under the weight of what hangs on it, where a step cannot follow: a part
+// of a step follows (h^2 times the sum of |f| |e x r| / I) up to 1, and a step has at most 8 parts (kernel/JOINTS.md).
+void add_light_link(const SceneDescription& scene, std::vector<std::string>& list) {
+    constexpr int most_halvings = 3;
+    const double g = std::hypot(scene.gravity[0], scene.gravity[1], scene.gravity[2]), h = scene.step.seconds();
+    const SceneData data = build_scene(scene);
+    std::vector<double> load(data.bodies.size()), swing(data.bodies.size());
+    std::vector<int> heaviest(data.bodies.size(), -1);
+    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+        const JointDescription& joint = scene.joints[j];
+        Hanging sides[2];
+        add_hanging(scene, data, joint.body, j, sides[0]);
+        add_hanging(scene, data, joint.to_body, j, sides[1]);
+        if (sides[0].is_held == sides[1].is_held) continue;  // a tree that flies freely has no weight
+        const Hanging& hanging = sides[sides[0].is_held ? 1 : 0];
+        for (const int b : {joint.body, joint.to_body}) {
+            if (b < 0 || scene.body(b).fixed) continue;
+            const auto link = static_cast<std::size_t>(b);
+            const double of_joint = swing_of(data.bodies[link], joint.anchor);
+            load[link] += g * hanging.mass * of_joint;
+            swing[link] = std::max(swing[link], of_joint);
+            const auto mass_of = [&](int body) { return data.bodies[static_cast<std::size_t>(body)].mass; };
+            if (heaviest[link] < 0 || mass_of(heaviest[link]) < mass_of(hanging.heaviest))
+                heaviest[link] = hanging.heaviest;
+        }
+    }
+    const auto worst = std::max_element(load.begin(), load.end());
+    const int halvings = *worst > 0 ? static_cast<int>(std::ceil(std::log2(h * std::sqrt(*worst)))) : 0;
+    if (halvings <= most_halvings) return;
+    const auto link = static_cast<std::size_t>(worst - load.begin());
+    const auto weight = static_cast<std::size_t>(heaviest[link]);
+    const auto named = [&](std::size_t b) {
+        return in_quotes(scene.bodies[b].name) + " of " + few_digits(data.bodies[b].mass.to_double()) + " kg";
+    };
+    list.push_back(named(weight) + " on " + named(link) + ": forces above " + few_digits(1 / (h * h * swing[link])) +
+                   " N swing it faster than a step of " + step_text(scene.step) +
+                   " s follows. The step is divided by up to 8, and at rest under gravity " +
+                   std::to_string(std::int64_t{1} << std::min(halvings, 62)) + " would be needed; use step = \"" +
+                   step_text(scaled(scene.step, -halvings)) + "\" or heavier links");
+}
+
 // The bodies that overlap others or planes at the start, deeper than contacts allow.
 void add_overlaps(const SceneDescription& scene, std::vector<std::string>& list) {
     for (const auto& overlap : SmoothMotion(scene, shapes_meet).overlaps()) {
-        if (overlap.depth <= scene.contact.tolerance) continue;
+        const auto is_out = [&](std::size_t b) { return scene.layers_of(static_cast<int>(b)) == 0; };
+        if (overlap.depth <= scene.contact.tolerance || is_out(overlap.body) ||
+            (!overlap.with_plane && is_out(overlap.other)))
+            continue;
         list.push_back("body \"" + scene.bodies[overlap.body].name + "\" begins " + few_digits(overlap.depth) +
                        " m inside " + (overlap.with_plane ? "plane" : "body") + " \"" +
                        (overlap.with_plane ? scene.planes[overlap.other].name : scene.bodies[overlap.other].name) +
@@ -112,7 +192,8 @@ std::vector<std::string> limitations(const SceneDescription& scene) {
     for (const BodyDescription& body : scene.bodies)
         if (body.fixed && !body.kinematic && body.velocity != Triple{})
             list.push_back("body \"" + body.name + "\" is fixed, so its velocity has no effect");
-    if (scene.contact.response == ContactResponse::none || !scene.joints.empty()) return list;
+    if (!scene.joints.empty()) add_light_link(scene, list);
+    if (scene.contact.response == ContactResponse::none) return list;
     if (scene.contact.response == ContactResponse::impulse) add_overlaps(scene, list);
     if (scene.contact.response == ContactResponse::spring) {
         const auto rough = [](const auto& side) { return side.friction.value_or(0.0) > 0; };
@@ -121,9 +202,10 @@ std::vector<std::string> limitations(const SceneDescription& scene) {
             list.emplace_back("friction is not simulated with contact.response = \"spring\"");
         if (scene.contact.sleep) list.emplace_back("contact.sleep has no effect with contact.response = \"spring\"");
     }
-    for (const BodyDescription& body : scene.bodies) {
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+        const BodyDescription& body = scene.bodies[b];
         const std::string shape(passing_shape(body.shape.kind)), passed = passed_by(body, scene);
-        if (!shape.empty() && !passed.empty())
+        if (scene.layers_of(static_cast<int>(b)) != 0 && !shape.empty() && !passed.empty())
             list.push_back("body \"" + body.name + "\": contacts of " + shape + " with " + passed +
                            " are not simulated, it passes through");
     }

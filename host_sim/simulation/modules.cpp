@@ -9,6 +9,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "simulation/number_systems.hpp"
 #include "sources_digest.hpp"
@@ -43,9 +44,18 @@ std::array<Part, number_system_count> parts_of(std::string_view integrator) {
     return parts;
 }
 
-Part part_of(std::size_t index, std::string_view integrator, bool has_joints) {
-    return has_joints ? Part::joints : parts_of(integrator).at(index);
+Part part_of(std::size_t index, const SceneData& data, std::string_view integrator) {
+    if (data.joints.empty()) return parts_of(integrator).at(index);
+    return needs(data).touches() ? Part::joints_contacts : Part::joints;
 }
+
+// How the name of its module ends, and what it has, by Part.
+constexpr std::array<std::pair<const char*, const char*>, 4> part_names{
+    {{"", "the first methods of "},
+     {"_rest", "the other methods of "},
+     {"_joints", "joints in "},
+     {"_joints_contacts", "joints and contacts in "}}};
+const auto& name_of(Part part) { return part_names.at(static_cast<std::size_t>(part)); }
 
 // The name of a module, as host_sim/CMakeLists.txt makes it.
 std::string module_name(std::size_t index, Part part) {
@@ -54,7 +64,7 @@ std::string module_name(std::size_t index, Part part) {
     };
     const auto names =
         std::apply([&](const auto&... systems) { return std::array{joined(systems)...}; }, number_system_list);
-    return "tumble_worlds_" + names.at(index) + (part == Part::front ? "" : part == Part::rest ? "_rest" : "_joints");
+    return "tumble_worlds_" + names.at(index) + name_of(part).first;
 }
 
 fs::path file_of(const std::string& module) { return fs::path(TUMBLE_BUILD_DIR) / "host_sim" / (module + ".so"); }
@@ -68,12 +78,8 @@ Maker load(std::size_t index, Part part) {
         const DirectoryLock lock(file.parent_path());  // two builds of one directory would disturb each other
         if (!is_current(file)) {
             if (isatty(STDERR_FILENO) == 1)  // as Progress: the errors of a run that is right are empty
-                std::cerr << "tumble: compiling "
-                          << (part == Part::front  ? "the first methods of "
-                              : part == Part::rest ? "the other methods of "
-                                                   : "the worlds with joints of ")
-                          << numbers_text(system.name, system.carry) << (system.range.empty() ? "" : " of range ")
-                          << system.range << "\n";
+                std::cerr << "tumble: compiling " << name_of(part).second << numbers_text(system.name, system.carry)
+                          << (system.range.empty() ? "" : " of range ") << system.range << "\n";
             run_quietly({"cmake", "--build", TUMBLE_BUILD_DIR, "--target", module});
         }
         if (!is_current(file)) throw std::runtime_error("the sources have changed: build this program again");
@@ -86,15 +92,15 @@ Maker load(std::size_t index, Part part) {
 
 }  // namespace
 
-bool is_module_built(std::size_t index, std::string_view integrator, bool has_joints) {
-    return is_current(file_of(module_name(index, part_of(index, integrator, has_joints))));
+bool is_module_built(std::size_t index, const SceneData& data, std::string_view integrator) {
+    return is_current(file_of(module_name(index, part_of(index, data, integrator))));
 }
 
 std::unique_ptr<Simulation> make_in_module(std::size_t index, SceneData data, std::string_view integrator) {
-    constexpr std::size_t parts = 3;
+    constexpr std::size_t parts = part_names.size();
     static std::array<Maker, number_system_count * parts> makers{};
     static std::array<std::once_flag, makers.size()> loaded;
-    const Part part = part_of(index, integrator, !data.joints.empty());
+    const Part part = part_of(index, data, integrator);
     const std::size_t module = index * parts + static_cast<std::size_t>(part);
     std::call_once(loaded.at(module), [&] { makers[module] = load(index, part); });
     std::unique_ptr<Simulation> made;

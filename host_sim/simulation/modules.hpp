@@ -1,6 +1,6 @@
-// The worlds of a number system are three modules, shared libraries: one of the methods of most runs, one of the rest,
-// and one of all methods for scenes with joints. A run loads the modules that it needs, and builds a missing one first,
-// which takes about ten seconds.
+// The worlds of a number system are four modules, shared libraries: one of the methods of most runs, one of the rest,
+// and two of all methods for scenes with joints, without contacts and with them. A run loads the modules that it needs,
+// and builds a missing one first, which takes about ten seconds.
 #pragma once
 
 #include <cstddef>
@@ -18,6 +18,6 @@ namespace tumble::host {
                                                          std::string_view integrator);
 
 // Is the module there? make_in_module() builds a missing one first.
-[[nodiscard]] bool is_module_built(std::size_t index, std::string_view integrator, bool has_joints);
+[[nodiscard]] bool is_module_built(std::size_t index, const SceneData& data, std::string_view integrator);
 
 }  // namespace tumble::host

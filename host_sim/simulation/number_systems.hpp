@@ -1,5 +1,6 @@
 // The kernel's number systems as the simulator has them compiled in: those of fixed point once for each range. The
-// build makes three translation units of worlds for each: the methods of most runs, the rest, and scenes with joints.
+// build makes four translation units of worlds for each: the methods of most runs, the rest, and all of them for scenes
+// with joints, without contacts and with them.
 #pragma once
 
 #include <tumble/integrators/list.hpp>
@@ -42,7 +43,7 @@ inline constexpr std::size_t number_system_count = std::tuple_size_v<decltype(nu
 template <std::size_t index>
 using NumbersAt = typename std::tuple_element_t<index, decltype(number_system_list)>::Numbers;
 
-enum class Part { front, rest, joints };
+enum class Part { front, rest, joints, joints_contacts };
 template <class... Methods, class Method>
 constexpr bool contains(IntegratorList<Methods...>, std::type_identity<Method>) {
     return (std::is_same_v<Methods, Method> || ...);

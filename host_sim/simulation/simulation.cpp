@@ -101,7 +101,7 @@ std::unique_ptr<Simulation> make_simulation(const SceneDescription& scene, std::
 
 bool is_compiled(const SceneDescription& scene, std::string_view integrator, std::string_view numbers,
                  std::optional<bool> carry) {
-    return is_module_built(index_of(scene, numbers, carry), integrator, !scene.joints.empty());
+    return is_module_built(index_of(scene, numbers, carry), build_scene(scene), integrator);
 }
 
 const std::vector<IntegratorInfo>& integrators() {

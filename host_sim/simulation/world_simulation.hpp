@@ -148,7 +148,12 @@ private:
     std::optional<JointGaps> gaps_;
 };
 
-constexpr Features features_of(Part part) { return part == Part::joints ? joint_features : host_features; }
+constexpr bool has_joints(Part part) { return part == Part::joints || part == Part::joints_contacts; }
+constexpr Features features_of(Part part) {
+    return part == Part::joints            ? joint_features_without_contacts
+           : part == Part::joints_contacts ? joint_features
+                                           : host_features;
+}
 
 // Base class that is constructed before BodiesSimulation.
 template <class Config>
@@ -226,7 +231,7 @@ public:
     }
     [[nodiscard]] JointSnapshot joint([[maybe_unused]] int j) const override {
         JointSnapshot snapshot;
-        if constexpr (part == Part::joints) {
+        if constexpr (has_joints(part)) {
             const auto now = Owned::replay.world().template joint<double>(JointId{j});
             Owned::data.joints[static_cast<std::size_t>(j)].visit([&]<class Spec>(const Spec&) {
                 using Kind = JointKinds::Of<Spec>;
@@ -311,7 +316,7 @@ template <std::size_t index, Part part>
 std::unique_ptr<Simulation> make_in(SceneData data, std::string_view integrator) {
     std::unique_ptr<Simulation> made;
     Integrators::for_each_in<NumbersAt<index>>([&]<class Method>() {
-        if constexpr (part == Part::joints || part_of<NumbersAt<index>, Method>() == part)
+        if constexpr (has_joints(part) || part_of<NumbersAt<index>, Method>() == part)
             if (integrator == Method::name)
                 made = std::make_unique<WorldSimulation<index, Method, part>>(std::move(data));
     });

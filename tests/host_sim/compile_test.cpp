@@ -81,6 +81,12 @@ TEST(Compile, joints_are_specs_of_their_kind_and_have_ids_by_their_names) {
                   "0.4161468365471424, 0.0},   // m\n            .axis = {0.0, 0.0, 1.0},\n",
                   "static constexpr tumble::JointId shoulder{0};\n", "JointId elbow{1};\n", ".joints = 2,"});
     for (const char* part : {".pairs", ".boxes", ".planes"}) EXPECT_FALSE(has(header, part)) << part;
+    const std::string rod = "[[body]]\nname = \"rod\"\nshape = { box = [1, 1, 1] }\nmass = 1\nlayers = 0\n" +
+                            joint_of("ball", "rod", "", "[0, 0, 0]"),
+                      beside = text_of(
+                          {"compile", written("beside.toml", scene_of("", body_of("a", "sphere = 1.0") + rod))});
+    expect_parts(beside, {".layers = 0,", ".layers = true,", ".planes = 1,", "tumble::BallSpec{"});
+    EXPECT_FALSE(has(text_of({"compile", written("alone.toml", world_of("0", "1/256", "1") + rod)}), "layers"));
     const std::string ball = text_of({"compile", shipped("ball")});
     for (const char* part : {"tuple", "oint"}) EXPECT_FALSE(has(ball, part)) << part;
 }

@@ -254,6 +254,27 @@ TEST(Gltf, is_valid_and_has_every_body_and_plane_of_the_scene) {
     }
 }
 
+TEST(Gltf, has_the_joints_as_parts_of_their_bodies) {
+    const File file = file_of(shipped("joints/double_pendulum"), {"--duration", "0.1"});
+    const Json& nodes = file.json()["nodes"];
+    ASSERT_EQ(nodes.size(), 4u);
+    for (const auto& [body, joint] : {std::pair{"upper", "shoulder"}, {"lower", "elbow"}}) {
+        const Json& children = file.node(body)->at("children");
+        ASSERT_EQ(children.size(), 1u);
+        const Json& pin = nodes[children[0].get<std::size_t>()];
+        EXPECT_EQ(pin["name"], joint);
+        for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(pin["translation"][i].get<double>(), i == 1 ? 0.5 : 0, 1e-12);
+        const Json& mesh = file.json()["meshes"][pin["mesh"].get<std::size_t>()];
+        const Json& corners =
+            file.json()["accessors"][mesh["primitives"][0]["attributes"]["POSITION"].get<std::size_t>()];
+        EXPECT_GT(corners["max"][2].get<double>(), 0.05);  // it stands out of a rod that is 0.1 m thick
+    }
+    EXPECT_EQ(file.json()["scenes"][0]["nodes"].size(), 2u);
+    // A joint of each kind, two pins of the universal one.
+    EXPECT_EQ(file_of(written("kinds.toml", scene_of_every_joint), {"--duration", "0.1"}).json()["nodes"].size(),
+              5u + 6);
+}
+
 TEST(Gltf, ends_where_the_run_ends) {
     const Json run = json_of({"run", shipped("brick"), "--duration", "0.5"});
     const File file = file_of(shipped("brick"), {"--duration", "0.5", "--every", "7"});

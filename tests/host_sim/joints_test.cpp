@@ -53,7 +53,7 @@ TEST(Joints, a_carriage_slides_down_its_slope_as_a_point_does) {
 }
 
 TEST(Joints, a_hanging_body_pulls_with_its_weight) {
-    const Json run = json_of({"run", written("hanging.toml", world_of("-9.81", "1/256", "1.0") +
+    const Json run = json_of({"run", written("hanging.toml", world_of("-9.81", "1/256", "1.0") + smallest_range +
                                                                  body_of("bob", "sphere = 0.1", "[0, -1, 0]", "3.0") +
                                                                  joint_of("ball", "bob", "", "[0, 0, 0]"))});
     const Json& force = joint_named(run, "bob to world").at("force_n");
@@ -119,29 +119,69 @@ TEST(Joints, a_live_run_tells_of_them_and_its_recording_replays_to_the_same_stat
 }
 
 TEST(Joints, a_live_event_that_makes_a_turntable_is_refused) {
-    const std::string scene = written("wall.toml", world_of("-9.81", "1/256", "1.0") + body_of("wall", "sphere = 1.0") +
-                                                       "fixed = true\n" + body_of("arm", "sphere = 0.1", "[2, 0, 0]") +
-                                                       joint_of("ball", "arm", "wall", "[1, 0, 0]"));
+    const std::string scene =
+        written("wall.toml", world_of("-9.81", "1/256", "1.0") + smallest_range + body_of("wall", "sphere = 1.0") +
+                                 "fixed = true\n" + body_of("arm", "sphere = 0.1", "[2, 0, 0]") +
+                                 joint_of("ball", "arm", "wall", "[1, 0, 0]"));
     std::string text;
     Process process({TUMBLE_COMMAND, "run", scene, "--live"},
                     "{\"kind\": \"angular_velocity\", \"body\": \"wall\", \"value\": [0, 1, 0]}\n",
                     Process::Errors::merge);
     EXPECT_EQ(process.wait(&text), 2);
-    expect_parts(text, {"kind: it makes a turntable of body \"wall\", which is fixed, expected a body that moves"});
+    expect_parts(text, {"kind: it makes a turntable of body \"wall\", which is fixed and in a joint, expected a body that moves"});
 }
 
-// 100 kg on links of 0.1 kg swing them faster than an eighth of the step follows.
+// 1000 kg on links of 0.1 kg swing them faster than an eighth of the step follows.
 TEST(Joints, a_weight_on_light_links_is_told_with_its_cause) {
-    std::string scene = world_of("-9.81", "1/256", "0.5");
+    std::string scene = world_of("-9.81", "1/256", "0.5") + smallest_range;
     for (int i = 0; i < 3; ++i)
         scene += body_of("l" + std::to_string(i), "box = [0.1, 0.02, 0.02]",
                          "[" + std::to_string(0.1 * i + 0.05) + ", 0, 0]", "0.1");
-    scene += body_of("weight", "sphere = 0.1", "[0.4, 0, 0]", "100.0");
+    scene += body_of("weight", "sphere = 0.1", "[0.4, 0, 0]", "1000.0");
     for (int i = 0; i < 4; ++i)
         scene += joint_of("ball", i < 3 ? "l" + std::to_string(i) : "weight", i == 0 ? "" : "l" + std::to_string(i - 1),
                           "[" + std::to_string(0.1 * i) + ", 0, 0]");
     expect_outcome(tumble({"run", written("weight.toml", scene)}), 1,
+                   "\"weight\" of 1000 kg on \"l0\" of 0.1 kg: forces above",
+                   "The step is divided by up to 8, and at rest under gravity 16 would be needed; use step = "
+                   "\"1/4096\" or heavier links",
                    "step_too_long: the force of a joint on a light or fast link is too strong for the step");
+}
+
+// The step that the warning names gets none, and follows.
+TEST(Joints, the_step_that_a_warning_names_is_one_that_follows) {
+    const auto scene_of_weight = [](const std::string& step) {
+        return written("weight.toml", world_of("-9.81", step, "0.25") + smallest_range +
+                                          body_of("link", "box = [0.1, 0.02, 0.02]", "[0, -0.05, 0]", "0.001") +
+                                          body_of("weight", "sphere = 0.1", "[0, -0.2, 0]", "10.0") +
+                                          joint_of("ball", "link", "", "[0, 0, 0]") +
+                                          joint_of("ball", "weight", "link", "[0, -0.1, 0]"));
+    };
+    const std::string text = text_of({"run", scene_of_weight("1/256")}, 1);
+    const std::string mark = "use step = \"";
+    const std::size_t at = text.find(mark);
+    ASSERT_NE(at, std::string::npos) << text;
+    const std::string step = text.substr(at + mark.size(), text.find('"', at + mark.size()) - at - mark.size());
+    const Outcome outcome = tumble({"run", scene_of_weight(step)});
+    EXPECT_EQ(outcome.status, 0) << outcome.text;
+    EXPECT_FALSE(has(outcome.text, "heavier links")) << outcome.text;
+    for (const char* shipped_scene : {"pendulum", "double_pendulum", "arm"})
+        EXPECT_FALSE(
+            has(text_of({"run", shipped("joints/" + std::string(shipped_scene)), "--duration", "0.1"}), "warning"));
+}
+
+// Bodies in no joint keep their contacts, with the bits that they have without the joints.
+TEST(DeepJoints, contacts_beside_joints_keep_their_bits) {
+    const std::string head = world_of("-9.81", "1/256", "1.0") + smallest_range + floor_plane,
+                      ball = body_of("ball", "sphere = 0.5", "[5, 1, 0]") + "velocity = [1, 0, 0]\n",
+                      rod = body_of("rod", "box = [1, 0.1, 0.1]", "[0.5, 0.2, 0]") + "layers = 0\n" +
+                            joint_of("hinge", "rod", "", "[0, 0.2, 0]", "axis = [0, 0, 1]\n");
+    const Json alone = json_of({"run", written("alone.toml", head + ball)}),
+               beside = json_of({"run", written("beside.toml", head + ball + rod)}),
+               without = json_of({"run", written("without.toml", head + rod)});
+    EXPECT_EQ(beside.at("bodies")[0], alone.at("bodies")[0]);
+    EXPECT_EQ(beside.at("bodies")[1], without.at("bodies")[0]);
+    EXPECT_LT(without.at("bodies")[0].at("position_m")[1].get<double>(), 0);  // through the floor, as it says
 }
 
 }  // namespace

@@ -134,13 +134,13 @@ TEST(SceneReader, a_message_is_short_however_long_what_it_refuses_is) {
 }
 
 TEST(SceneReader, unknown_key_names_file_line_and_key) {
-    EXPECT_EQ(
-        error_of(world + brick + "masss = 3.0\n"),
-        "text.toml:8: body[0].masss: unknown key (did you mean \"mass\"?), expected \"angular_velocity\", "
-        "\"density\", \"fixed\", "
-        "\"friction\", \"inertia\", \"kinematic\", \"linear_drag\", \"mass\", \"name\", \"orientation\", \"position\", "
-        "\"quadratic_drag\", \"restitution\", \"rolling_resistance\", \"shape\", \"spinning_resistance\", "
-        "\"velocity\" or \"wheel_momentum\"");
+    EXPECT_EQ(error_of(world + brick + "masss = 3.0\n"),
+              "text.toml:8: body[0].masss: unknown key (did you mean \"mass\"?), expected \"angular_velocity\", "
+              "\"density\", \"fixed\", "
+              "\"friction\", \"inertia\", \"kinematic\", \"layers\", \"linear_drag\", \"mass\", \"name\", "
+              "\"orientation\", \"position\", "
+              "\"quadratic_drag\", \"restitution\", \"rolling_resistance\", \"shape\", \"spinning_resistance\", "
+              "\"velocity\" or \"wheel_momentum\"");
 }
 
 TEST(SceneReader, wrong_value_names_what_it_got_and_the_unit_expected) {
@@ -592,6 +592,22 @@ TEST(SceneReader, an_anchor_that_fixed_point_does_not_hold_leaves_floating_point
     EXPECT_EQ(std::string(error->what()),
               "text.toml:13: joint[0].anchor: it is 4096 m from the centre of mass of body \"a\", expected less than "
               "4096 m, the most that fixed point holds; --numbers f64 and f32 have no such limit");
+}
+
+TEST(SceneReader, jointed_bodies_are_in_no_layer_and_others_in_all) {
+    const SceneDescription scene =
+        read(world + bodies_named("a") + "fixed = true\n" + bodies_named("b") + "layers = 0\n" + bodies_named("c") +
+             "layers = 5\n" + bodies_named("d") +
+             "[[joint]]\nkind = \"ball\"\nbody = \"b\"\nto_body = \"a\"\nanchor = [0, 0, 0]\n");
+    for (const SceneDescription& each : {scene, read(scene_text(scene))}) {
+        const SceneData data = build_scene(each);
+        EXPECT_EQ(
+            (std::array{data.bodies[0].layers, data.bodies[1].layers, data.bodies[2].layers, data.bodies[3].layers}),
+            (std::array<std::uint16_t, 4>{0xffff, 0, 5, 0xffff}));
+        EXPECT_TRUE(needs(data).layers);
+    }
+    const Features alone = needs(build_scene(read(world + bodies_named("a") + "layers = 0\n" + bodies_named("b"))));
+    EXPECT_FALSE(alone.layers || alone.pairs);  // nothing can touch
 }
 
 TEST(SceneReader, joints_of_one_tree_may_tie_fixed_bodies_and_the_world) {
