@@ -183,9 +183,14 @@ private:
         EXPECT_EQ(json_["scenes"].size(), 1u);
         std::set<std::size_t> shown;
         for (const std::size_t node : json_["scenes"][0]["nodes"]) EXPECT_TRUE(shown.insert(node).second);
+        // 3.5.2: a node has one parent at most, and a child is no root.
+        for (const Json& node : json_["nodes"]) {
+            if (!node.contains("children")) continue;
+            for (const std::size_t child : node["children"]) EXPECT_TRUE(shown.insert(child).second);
+        }
         EXPECT_EQ(shown.size(), json_["nodes"].size());
         for (const Json& node : json_["nodes"]) {
-            expect_keys(node, {"name", "mesh", "translation", "rotation"});
+            expect_keys(node, {"name", "mesh", "translation", "rotation"}, {"children"});
             EXPECT_LT(node["mesh"].get<std::size_t>(), json_["meshes"].size());
             EXPECT_EQ(node["translation"].size(), 3u);
             expect_unit(node["rotation"].get<std::vector<float>>());
