@@ -1,4 +1,4 @@
-// The contest of joints: mechanisms.hpp in each engine at four steps. One row for each mechanism, step and contender:
+// The contest of joints: the mechanisms in each engine at four steps. One row for each mechanism, step and contender:
 // the largest distance of a centre of mass from the reference, the largest gap of a joint, what the energy moves by,
 // and the instructions of a step on x86-64.
 #pragma once

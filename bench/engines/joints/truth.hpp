@@ -1,4 +1,5 @@
-// The motion of a mechanism in the coordinates that its joints leave free, in long double: no engine's code, no gap.
+// The motion of a mechanism in the coordinates that its joints leave free, in long double: no engine's code, no gap. It
+// is that of the reference by which scenes with joints are judged.
 #pragma once
 
 #include "mechanism.hpp"

@@ -2,7 +2,6 @@
 #include "contest.hpp"
 #include "world.hpp"
 
-#include <array>
 #include <stdexcept>
 
 namespace {
