@@ -66,12 +66,14 @@ TEST_P(Impacts, on_a_fixed_box_are_those_on_a_plane) {
         on_plane.world.gravity = on_box.world.gravity = real(axes.to_world({0, -g, 0}));
         on_plane.planes = {axes.plane({0, 1, 0})};
         const auto first = build(on_plane, GetParam()), second_one = build(on_box, GetParam());
+        Number lowest = 1;
         for (int step = 0; step < second / 2; ++step) {
             first->step();
             second_one->step();
             EXPECT_LE(norm(first->motion(0).x - second_one->motion(0).x), allowed) << t << ", step " << step;
+            lowest = std::min(lowest, axes.from_world(second_one->motion(0).x).y);
         }
-        EXPECT_LT(dot(axes.from_world(second_one->motion(0).x), Vector{0, 1, 0}), 0.6L) << "it has come to the floor";
+        EXPECT_LT(lowest, 0.5L) << "it has come to the floor";
     }
 }
 
