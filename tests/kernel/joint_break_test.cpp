@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-namespace tumble::test {
+namespace tumble::test::joint_breaks {
 namespace {
 
 inline constexpr Features brittle{.bodies = 5,
@@ -234,4 +234,4 @@ TYPED_TEST(Breaks, a_strength_that_cannot_be_is_refused) {
 }
 
 }  // namespace
-}  // namespace tumble::test
+}  // namespace tumble::test::joint_breaks

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-namespace tumble::test {
+namespace tumble::test::joint_distances {
 namespace {
 
 inline constexpr Features tied{
@@ -367,4 +367,4 @@ TEST(DistanceBits, are_the_same_everywhere) {
 }
 
 }  // namespace
-}  // namespace tumble::test
+}  // namespace tumble::test::joint_distances

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-namespace tumble::test {
+namespace tumble::test::joint_layers {
 namespace {
 
 inline constexpr Features layered = {.bodies = 8,
@@ -269,4 +269,4 @@ TYPED_TEST(Layered, bodies_whose_joints_go_fly_on) {
 }
 
 }  // namespace
-}  // namespace tumble::test
+}  // namespace tumble::test::joint_layers

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <vector>
 
-namespace tumble::test {
+namespace tumble::test::joint_limits {
 namespace {
 
 inline constexpr Features limited{
@@ -222,4 +222,4 @@ TYPED_TEST(Limits, a_snapshot_knows_which_joints_are_at_their_limits) {
 }
 
 }  // namespace
-}  // namespace tumble::test
+}  // namespace tumble::test::joint_limits

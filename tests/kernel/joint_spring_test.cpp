@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-namespace tumble::test {
+namespace tumble::test::joint_springs {
 namespace {
 
 inline constexpr Features sprung{.bodies = 4,
@@ -303,4 +303,4 @@ TYPED_TEST(JointSprings, a_spring_goes_with_its_joint_and_is_in_snapshots) {
 }
 
 }  // namespace
-}  // namespace tumble::test
+}  // namespace tumble::test::joint_springs

@@ -5,8 +5,8 @@
 // and forces of their *Spec types. There may be a list events of EventSpec, and for loads that Config has: wind, m/s,
 // and a list drags of DragSpec; a list wheels of WheelsSpec; orbit, an OrbitSpec; softening, m, of gravitation. Joints
 // differ in type by kind: joints is a std::tuple of their specs, or a list of which each element calls f(spec) in
-// visit(f). In the output of `tumble compile` all of them are static constexpr. A list is a std::array, or any type with
-// size() that resize() can grow. Config is a Scene with room for all data and the features that it needs.
+// visit(f). In the output of `tumble compile` all of them are static constexpr. A list is a std::array, or any type
+// with size() that resize() can grow. Config is a Scene with room for all data and the features that it needs.
 //
 // Impulses, forces and events are prepared when the scene is set up, in RAM. In fixed point, events that are static
 // constexpr are prepared by the compiler: an event takes sizeof(Event<Numbers>) = 80 bytes of flash, and no RAM.
