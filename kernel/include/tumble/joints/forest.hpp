@@ -54,6 +54,7 @@ struct JointTreeState {
     bool is_factored = false;          // the factor is that of the present poses
     bool is_disturbed = false;         // something other than a step has changed a velocity
     bool is_moved = false;             // something other than a step has changed a pose
+    bool has_ranges = false;           // of a joint: JointRange
     bool is_new = true;                // no step has looked whether its springs are too stiff
     std::int8_t corrections = 0;       // of the last step
     std::int8_t open_bits = 0;         // of the targets of a solution, in fixed point
@@ -597,6 +598,7 @@ private:
             for (int r = 0; r < node.turns; ++r) add_direction(true, node.turns == 3 ? r : -1);
             if constexpr (features.has_joint_ranges())
                 if (has_range(node)) {
+                    tree.has_ranges = true;
                     if (node.keeps_distance()) add_direction(false, -1);  // along the line, where it is slack
                     set_end(node, range_[node.joint].end);
                 }

@@ -308,6 +308,7 @@ private:
         if constexpr (features.has_joint_ranges()) {
             const auto slackens = [&] {
                 bool any = false;
+                if (!tree.has_ranges) return any;
                 measures_.for_each_that_pushes(tree, [&](Node& node, int) {
                     forest_.set_end(node, 0);
                     any = true;
@@ -327,6 +328,7 @@ private:
     // does not go slack any more.
     [[nodiscard, gnu::noinline]] bool change_ends(const JointTreeState& tree) requires(features.has_joint_ranges()) {
         bool any = false;
+        if (!tree.has_ranges) return any;
         const auto change = [&](Node& node, int i, int end) {
             if (end == 0 && is_changed_[i]) return;
             is_changed_[i] = any = true;
