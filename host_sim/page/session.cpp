@@ -105,7 +105,9 @@ std::string Session::obstacle(const RunWay& way) const {
         return way.integrator + " does not run in " + way.numbers + ", because " + integrator.not_in_fixed_point;
     if (!has_range_for(scene_, way.numbers)) return scene_.range.beyond_default->what();
     if (!is_compiled(scene_, way.integrator, way.numbers, way.carry))
-        return "this page has no " + numbers_text(way.numbers, way.carry) + " of the range of this scene";
+        return scene_.joints.empty()
+                   ? "this page has no " + numbers_text(way.numbers, way.carry) + " of the range of this scene"
+                   : "this page has no worlds with joints; `tumble run` has them";
     return {};
 }
 
