@@ -336,16 +336,16 @@ TEST(Verdict, jointed_bodies_are_held_against_their_equations_of_motion) {
 
 TEST(Verdict, step_that_is_too_long_for_joints_is_wrong_and_its_cure_is_right) {
     const Method method{"verlet", "f64", false};
-    for (const char* step : {"1/24", "1/32"}) {
+    constexpr double tolerance = 0.01;  // a tenth of that of error_in_parts_of_wrong()
+    for (const char* step : {"1/64", "1/100"}) {
         SceneDescription scene = double_pendulum(2.0, 2.4, step, "3.0");
-        const Verdict verdict = verdict_of(scene, method);
-        ASSERT_TRUE(verdict.kind == Verdict::Kind::wrong || verdict.kind == Verdict::Kind::told)
-            << sentence_of(verdict, scene, method);
+        const Verdict verdict = verdict_of(scene, method, {.tolerance = tolerance});
+        ASSERT_EQ(verdict.kind, Verdict::Kind::wrong) << sentence_of(verdict, scene, method);
         ASSERT_TRUE(verdict.cure.has_value()) << sentence_of(verdict, scene, method);
         EXPECT_EQ(verdict.cause, Verdict::Cause::step);
-        EXPECT_GT(error_in_parts_of_wrong(scene, method), 1);
+        EXPECT_GT(error_in_parts_of_wrong(scene, method), 0.1);
         scene.step = verdict.cure->step;
-        EXPECT_LT(error_in_parts_of_wrong(scene, verdict.cure->method), 1);
+        EXPECT_LT(error_in_parts_of_wrong(scene, verdict.cure->method), 0.1);
     }
 }
 
@@ -433,15 +433,15 @@ TEST(Verdict, check_of_joints_that_is_too_dear_is_not_made) {
                         solved_record_of(scene, 1e-14, moments_of(scene)).seconds;
     EXPECT_GT(dear.cost_s, cost / 3);
     EXPECT_LT(dear.cost_s, cost * 3);
-    // So stiff that the integration alone would take hours: its beginning ends it.
+    // So stiff that the integration would take a minute: its beginning tells so.
     SceneDescription stiff = scene;
     SpringDescription spring;
     spring.to = {1, 0, 0};
-    spring.stiffness = 1e14;
+    spring.stiffness = 1e9;
     stiff.springs.push_back(spring);
     const SolvedRecord beginning = solved_record_of(stiff, 1e-11, moments_of(stiff), 0.05);
     EXPECT_TRUE(beginning.record.moments.empty());
-    EXPECT_GT(beginning.seconds, 10);
+    EXPECT_GT(beginning.seconds, 5);
 }
 
 std::vector<std::string> rules_in(const std::string& text) {
