@@ -835,6 +835,30 @@ TYPED_TEST(JointsThatJerk, keep_their_energy_in_divided_steps) {
     swings(this->arm(), 20, 5000);
 }
 
+// A rod that spins about its end pulls with m w^2 l / 2, in a step of one part and in one of many.
+TYPED_TEST(JointsThatJerk, forces_of_divided_steps_are_those_of_the_motion) {
+    for (const double spin : {30.0, 50.0, 100.0, 200.0}) {
+        for (const double side : {1.0, -1.0}) {
+            typename TestFixture::Mechanism m;
+            BodySpec rod = placed(box(1, {1, 0.125, 0.125}), {0.5 * side, 0, 0});
+            rod.angular_velocity = {0, 0, spin};
+            rod.velocity = {0, 0.5 * side * spin, 0};
+            (void)m.add(rod);
+            m.world.set_gravity({});
+            (void)m.join(HingeSpec{.body = 0});
+            for (int i = 0; i < 8; ++i) {
+                m.run(5);
+                const auto joint = m.joint(0);
+                const Vector out = m.position(0) * 2;
+                EXPECT_NEAR(dot(joint.force, out), -0.5 * spin * spin, 0.02 * spin * spin) << spin;
+                EXPECT_NEAR(joint.speed, spin, 1e-4 * spin);
+                EXPECT_NEAR(joint.torque.z, 0, 1e-3 * spin);
+            }
+            EXPECT_TRUE(m.world.status().ok()) << spin;
+        }
+    }
+}
+
 // A program that acts in every step does not undo how steps are divided.
 TYPED_TEST(Joints, a_chain_that_is_touched_in_every_step_gains_no_energy) {
     typename TestFixture::Mechanism m;

@@ -130,7 +130,7 @@ public:
             Direction* const direction = direction_ + node.direction;
             for (int f = 0; f < node.slides + node.turns; ++f) {
                 eliminate(node, direction[f]);
-                if (is_read(node, f)) take_off(node, direction[f]);
+                if (is_read(node, f)) take_off(node, direction[f], f + 1 == node.slides + 3);
             }
             if (node.holder >= 0) hand_on(node, node_[node.holder]);
         }
@@ -254,14 +254,19 @@ private:
     [[nodiscard]] TUMBLE_INLINE static bool is_read(const Node& node, int direction) {
         return node.parent >= 0 || direction + 1 < node.slides + node.turns;
     }
-    // Takes the part of a direction off.
-    static void take_off(Node& node, const Direction& direction) {
+    // Takes the part of a direction off. Nothing but A remains after the last of three turns.
+    static void take_off(Node& node, const Direction& direction, bool is_third_turn) {
         const Vector u = direction.u, t = direction.t;
         for (int r = 0; r < 3; ++r) {
             const Unit ur = direction.u[r], tr = direction.t[r];
             take_off(node.a[r], ur, u);
-            take_off(node.b[r], ur, t);
-            take_off(node.c[r], tr, t);
+            if (is_third_turn) {
+                set_three(node.b[r], Vector::Constant(Unit{}));
+                set_three(node.c[r], Vector::Constant(Unit{}));
+            } else {
+                take_off(node.b[r], ur, t);
+                take_off(node.c[r], tr, t);
+            }
         }
     }
     [[gnu::noinline, gnu::cold]] static void set_slide(const Node& node, const Vector& axis, Vector& u, Vector& t) {
@@ -333,9 +338,14 @@ private:
     TUMBLE_INLINE static void hand_on(const Node& node, const Solution& s, Unit (&parent)[6]) {
         const Vector v = three(s.target), w = three(s.target + 3);
         Unit impulse[6];
-        for (int r = 0; r < 3; ++r) impulse[r] = s.impulse[r] + nar(add_dot(dot3(node.a[r], v), node.b[r], w));
-        for (int r = 0; r < 3; ++r)
-            impulse[3 + r] = s.impulse[3 + r] + nar(add_dot(dot3(Column{node.b, r}, v), node.c[r], w));
+        const bool is_whole = node.turns < 3;  // else B and C are zero
+        for (int r = 0; r < 3; ++r) {
+            auto sum = dot3(node.a[r], v);
+            if (is_whole) sum = add_dot(sum, node.b[r], w);
+            impulse[r] = s.impulse[r] + nar(sum);
+            impulse[3 + r] = s.impulse[3 + r];
+            if (is_whole) impulse[3 + r] += nar(add_dot(dot3(Column{node.b, r}, v), node.c[r], w));
+        }
         Vector p = three(impulse), h = three(impulse + 3);
         lower(p, node.mass_down);
         lower(h, node.moment_down);
