@@ -72,7 +72,7 @@ TEST(Joints, shipped_mechanisms_keep_their_energy_and_run_clean) {
 }
 TEST(DeepJoints, shipped_mechanisms_of_larger_ranges_keep_their_energy_and_run_clean) {
     for (const char* scene : {"gyroscope", "chain"}) {
-        const Json run = json_of({"run", shipped("joints/" + std::string(scene))});
+        const Json run = json_of({"run", shipped("joints/" + std::string(scene)), "--check", "on"});
         EXPECT_EQ(run.at("status"), Json::array()) << scene;
         EXPECT_EQ(run.at("verdict").at("kind"), "right") << scene;
         EXPECT_NEAR(run.at("energy_end_j").get<double>(), run.at("energy_start_j").get<double>(), 2e-3) << scene;
