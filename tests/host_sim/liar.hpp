@@ -21,6 +21,7 @@ public:
     void restore(const Snapshot& snapshot) override { run_->restore(snapshot); }
     ImuSnapshot imu(int index) const override { return run_->imu(index); }
     std::vector<ContactSnapshot> contacts() const override { return run_->contacts(); }
+    JointSnapshot joint(int index) const override { return run_->joint(index); }
     std::int64_t steps_taken() const override { return run_->steps_taken(); }
     std::uint64_t hash() const override { return run_->hash(); }
     int body_count() const override { return run_->body_count(); }

@@ -10,7 +10,7 @@
 #include "truth/smooth_motion.hpp"
 #include "verdict/accuracy.hpp"
 
-namespace tumble::host {
+namespace tumble::host::of_reference {
 namespace {
 
 using reference::exponential, reference::Motion, reference::Number, reference::Rotation, reference::Vector;
@@ -231,4 +231,4 @@ TEST(SmoothMotion, kernel_agrees_on_every_scene_without_contacts) {
 }
 
 }  // namespace
-}  // namespace tumble::host
+}  // namespace tumble::host::of_reference
