@@ -147,10 +147,7 @@ void add_light_link(const SceneDescription& scene, std::vector<std::string>& lis
 // The bodies that overlap others or planes at the start, deeper than contacts allow.
 void add_overlaps(const SceneDescription& scene, std::vector<std::string>& list) {
     for (const auto& overlap : SmoothMotion(scene, shapes_meet).overlaps()) {
-        const auto is_out = [&](std::size_t b) { return scene.layers_of(static_cast<int>(b)) == 0; };
-        if (overlap.depth <= scene.contact.tolerance || is_out(overlap.body) ||
-            (!overlap.with_plane && is_out(overlap.other)))
-            continue;
+        if (overlap.depth <= scene.contact.tolerance) continue;
         list.push_back("body \"" + scene.bodies[overlap.body].name + "\" begins " + few_digits(overlap.depth) +
                        " m inside " + (overlap.with_plane ? "plane" : "body") + " \"" +
                        (overlap.with_plane ? scene.planes[overlap.other].name : scene.bodies[overlap.other].name) +

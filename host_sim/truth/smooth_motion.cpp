@@ -122,7 +122,10 @@ SmoothMotion::SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet
     for (const Body& body : bodies_) jointed.push_back({body.mass, body.inertia, body.fixed});
     trees_ = JointTrees(std::move(jointed), scene.joints, now_);
     joints_ = trees_.start();
-    for (std::size_t i = 0; i < bodies_.size(); ++i) bodies_[i].is_jointed = trees_.has(i);
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        bodies_[i].is_jointed = trees_.has(i);
+        bodies_[i].layers = scene.layers_of(static_cast<int>(i));
+    }
     if (scene.contact.response != ContactResponse::none) {
         if (std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.touches_planes(); })) {
             for (const PlaneDescription& plane : scene.planes) {
@@ -319,7 +322,7 @@ Number SmoothMotion::extent_of(std::size_t i, const Vector& along) const {
 
 bool SmoothMotion::may_touch(std::size_t i, std::size_t j) const {
     const Body &a = bodies_[i], &b = bodies_[j];
-    return i != j && shapes_meet_(a.kind, b.kind) && !(a.fixed && b.fixed) && !a.is_jointed && !b.is_jointed;
+    return i != j && shapes_meet_(a.kind, b.kind) && !(a.fixed && b.fixed) && (a.layers & b.layers) != 0;
 }
 
 // The widest gap between two bodies along a set of axes: the line of centres, the faces' normals, and the normals to an

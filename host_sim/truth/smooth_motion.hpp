@@ -1,7 +1,8 @@
 // The true motion of a scene between contacts. Every load and event of the scene format is integrated in long double,
 // with an error far below that of any kernel method. It shares no code with the kernel except the names of shapes; its
 // caller says which shapes touch each other. It leaves out contacts: clearance() tells whether the motion is still that
-// of the scene. A fixed body may turn at a constant angular velocity, and a kinematic one moves.
+// of the scene. A fixed body may turn at a constant angular velocity, and a kinematic one moves. At the start and at
+// every impulse the velocities across joints end.
 #pragma once
 
 #include <array>
@@ -67,14 +68,15 @@ private:
         reference::Number mass = 0;                   // kg
         Tensor inertia, inverse;                      // kg m^2, user's axes; both zero of a point mass
         bool fixed = false, moves_by_itself = false;  // a fixed body with a spin or, if kinematic, a velocity
-        bool is_jointed = false;                      // it moves with its tree, and touches nothing
+        bool is_jointed = false;                      // it moves with its tree
+        int layers = 0;                               // mask; bodies without a common one do not touch each other
         ShapeKind kind = ShapeKind::none;
         reference::Vector size;  // m, as in ShapeDescription
 
         // With coordinates of its own.
         [[nodiscard]] bool moves() const { return (!fixed && !is_jointed) || moves_by_itself; }
         [[nodiscard]] bool touches_planes() const {
-            return !fixed && !is_jointed && kind != ShapeKind::none && kind != ShapeKind::points;
+            return !fixed && layers != 0 && kind != ShapeKind::none && kind != ShapeKind::points;
         }
         // The distance of the farthest point that the spin moves, m.
         [[nodiscard]] reference::Number swept() const;

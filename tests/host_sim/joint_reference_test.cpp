@@ -575,17 +575,30 @@ TEST(JointReference, kernel_converges_to_trees_of_every_kind_of_joint) {
     }
 }
 
-TEST(JointReference, jointed_bodies_touch_nothing) {
+TEST(JointReference, bodies_without_a_common_layer_do_not_touch) {
+    const auto touches = [](const SceneDescription& scene) {
+        const SmoothMotion motion(scene, [](ShapeKind, ShapeKind) { return true; });
+        EXPECT_EQ(motion.can_touch(), !motion.overlaps().empty());  // everything overlaps, where it can
+        return motion.can_touch();
+    };
     Built built;
-    built.scene.contact.response = ContactResponse::impulse;
-    built.scene.planes.push_back({"floor"});
+    SceneDescription& scene = built.scene;
+    scene.contact.response = ContactResponse::impulse;
     built.add({1, 1, 1}, 1, {});
     built.add({1, 1, 1}, 1, {});
-    built.join(JointKind::ball, 0, 1, {});
-    const auto all_meet = [](ShapeKind, ShapeKind) { return true; };
-    EXPECT_FALSE(SmoothMotion(built.scene, all_meet).can_touch());
-    built.scene.joints.clear();
-    EXPECT_TRUE(SmoothMotion(built.scene, all_meet).can_touch());
+    EXPECT_TRUE(touches(scene));
+    built.join(JointKind::ball, 0, 1, {});  // jointed bodies are in no layer
+    EXPECT_FALSE(touches(scene));
+    scene.planes.push_back({"floor"});
+    EXPECT_FALSE(touches(scene));
+    scene.joints.clear();
+    EXPECT_TRUE(touches(scene));
+    scene.planes.clear();
+    scene.bodies[0].layers = 1;
+    scene.bodies[1].layers = 6;
+    EXPECT_FALSE(touches(scene));
+    scene.bodies[1].layers = 5;
+    EXPECT_TRUE(touches(scene));
 }
 
 TEST(JointReference, loop_is_refused) {

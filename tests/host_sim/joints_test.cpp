@@ -196,6 +196,9 @@ TEST(DeepJoints, contacts_beside_joints_keep_their_bits) {
     EXPECT_EQ(beside.at("bodies")[0], alone.at("bodies")[0]);
     EXPECT_EQ(beside.at("bodies")[1], without.at("bodies")[0]);
     EXPECT_LT(without.at("bodies")[0].at("position_m")[1].get<double>(), 0);  // through the floor, as it says
+    // Where others touch, the references are runs, which have the rule of joints in common with this one.
+    EXPECT_EQ(beside.at("verdict").at("shared_rules"), Json::array({"joints"}));
+    EXPECT_EQ(without.at("verdict").at("shared_rules"), Json::array());
 }
 
 }  // namespace
