@@ -121,6 +121,8 @@ std::string json_of_joint(const JointDescription& description, const JointSnapsh
            number("to_speed_rad_s", joint.to_speed) + number("travel_m", joint.travel) +
            number("speed_m_s", joint.travel_speed) + separator + "\"force_n\": " + json_array(joint.force) + separator +
            "\"torque_n_m\": " + json_array(joint.torque) + separator +
+           "\"at_limit\": " + (joint.at_limit ? std::to_string(*joint.at_limit) : "null") + separator +
+           "\"broken\": " + (joint.broken ? "true" : "false") + separator +
            "\"corrections\": " + std::to_string(joint.corrections) + number("gap_m", joint.gap) +
            number("gap_rad", joint.lean);
 }

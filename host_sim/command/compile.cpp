@@ -106,14 +106,38 @@ std::string spring_text(const SpringDescription&, const SpringSpec& spring) {
     return members.text();
 }
 
+std::string spring_of_joint_text(const JointSpring& spring) {
+    return "{" + number(spring.stiffness) + ", " + number(spring.damping) + ", " + number(spring.rest) + "}";
+}
+
 std::string joint_text(const JointDescription& description, const AnyJointSpec& joint) {
     Members members("            ");
     joint.visit([&](const auto& spec) {
         members.always("body", std::to_string(spec.body));
         members.when(spec.to_body >= 0, "to_body", std::to_string(spec.to_body));
-        members.always("anchor", vector(spec.anchor), "m");
+        if constexpr (requires { spec.anchor; }) members.always("anchor", vector(spec.anchor), "m");
         if constexpr (requires { spec.axis; }) members.always("axis", vector(spec.axis));
         if constexpr (requires { spec.to_axis; }) members.always("to_axis", vector(spec.to_axis));
+        if constexpr (requires { spec.to_point; }) {
+            members.always("point", vector(spec.point), "m");
+            members.always("to_point", vector(spec.to_point), "m");
+            members.when(!spec.least.is_zero(), "least", number(spec.least), "m");
+            members.always("most", number(spec.most), "m");
+        }
+        if constexpr (requires { spec.spring; }) {
+            const bool is_linear = description.kind == JointKind::slider || description.kind == JointKind::distance;
+            const char* const units = is_linear ? "N/m, N s/m, m" : "N m/rad, N m s/rad, rad";
+            members.when(spec.spring.acts(), "spring", spring_of_joint_text(spec.spring), units);
+            if constexpr (requires { spec.to_spring; })
+                members.when(spec.to_spring.acts(), "to_spring", spring_of_joint_text(spec.to_spring), units);
+        }
+        if constexpr (requires { spec.limits; })
+            members.when(spec.limits.acts(), "limits",
+                         "{" + number(spec.limits.least) + ", " + number(spec.limits.most) + "}",
+                         description.kind == JointKind::slider ? "m" : "rad");
+        members.when(!spec.break_force.is_zero(), "break_force", number(spec.break_force), "N");
+        if constexpr (requires { spec.break_torque; })
+            members.when(!spec.break_torque.is_zero(), "break_torque", number(spec.break_torque), "N m");
     });
     std::string kind = word_of(joint_kinds, description.kind);
     kind[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(kind[0])));
@@ -163,7 +187,8 @@ std::string event_text(const EventDescription& description, const EventSpec& eve
     Members members("            ");
     members.always("time", number(event.time), "s");
     members.always("kind", std::string("tumble::EventKind::") + name_of(event.kind));
-    if (has_body(event.kind)) members.always("body", std::to_string(event.body));
+    members.when(has_body(event.kind), "body", std::to_string(event.body));
+    members.when(has_joint(event.kind), "body", std::to_string(event.body), "the joint");
     members.when(event.frame == Frame::body, "frame", "tumble::Frame::body");
     members.when(!event.value.is_zero(), "value", vector(event.value));
     members.when(!event.point.is_zero(), "point", vector(event.point), "m");

@@ -297,7 +297,7 @@ void place_joint(Document& document, const JointDescription& joint, const BodyDe
         (void)document.place(joint.name, document.add(pin, of_joints, false), at, turn, node);
     };
     Mesh knob;
-    if (joint.kind == JointKind::ball) add_ball(knob, 1.25 * thickness);
+    if (joint.kind == JointKind::ball || joint.kind == JointKind::distance) add_ball(knob, 1.25 * thickness);
     if (joint.kind == JointKind::fixed) add_box(knob, {2.125 * thickness, 2.125 * thickness, 2.125 * thickness});
     if (!knob.positions.empty()) return add(knob, {0, 0, 0, 1});
     for (const Triple& axis : {joint.axis, joint.to_axis}) {

@@ -97,8 +97,8 @@ class JointRows : public Table {
 public:
     JointRows(const std::string& path, std::int64_t every, const SceneDescription& scene)
         : Table(path, "--joints",
-                "time_s,joint,angle,speed,to_angle,to_speed,travel,travel_speed,fx,fy,fz,tx,ty,tz,corrections,gap,"
-                "gap_angle"),
+                "time_s,joint,angle,speed,to_angle,to_speed,travel,travel_speed,fx,fy,fz,tx,ty,tz,at_limit,broken,"
+                "corrections,gap,gap_angle"),
           every_(every), names_(fields(scene.joints)) {}
     void record(const Simulation& simulation, bool last) {
         if (simulation.steps_taken() % every_ != 0 && !last) return;
@@ -106,16 +106,19 @@ public:
         for (std::size_t j = 0; j < names_.size(); ++j) {
             const JointSnapshot joint = simulation.joint(static_cast<int>(j));
             row() << time << "," << names_[j];
-            for (const auto& number :
-                 {joint.angle, joint.speed, joint.to_angle, joint.to_speed, joint.travel, joint.travel_speed}) {
+            const auto add_if_there = [&](const std::optional<double>& number) {
                 if (number) add(*number);
                 else row() << ",";
-            }
+            };
+            for (const auto& number :
+                 {joint.angle, joint.speed, joint.to_angle, joint.to_speed, joint.travel, joint.travel_speed})
+                add_if_there(number);
             add(joint.force);
             add(joint.torque);
-            row() << "," << joint.corrections;
-            add(joint.gap);
-            add(joint.lean);
+            row() << "," << (joint.at_limit ? std::to_string(*joint.at_limit) : "") << "," << joint.broken << ","
+                  << joint.corrections;
+            add_if_there(joint.gap);
+            add_if_there(joint.lean);
             end_row();
         }
     }
@@ -228,6 +231,10 @@ bool keeps_energy(const SceneDescription& scene) {
         if (!body.fixed && (body.linear_drag > 0 || body.quadratic_drag > 0)) return false;
     for (const SpringDescription& spring : scene.springs)
         if (spring.damping > 0) return false;
+    // At an end of its range a joint takes speed, and what breaks takes along what its spring stored.
+    for (const JointDescription& joint : scene.joints)
+        if (joint.has_ends() || joint.may_break() || joint.spring.damping > 0 || joint.to_spring.damping > 0)
+            return false;
     const auto has_shape = [](const BodyDescription& body) {
         return body.shape.kind != ShapeKind::none && body.shape.kind != ShapeKind::points;
     };
@@ -287,13 +294,16 @@ void print_table(std::ostream& out, const SceneDescription& scene, const Simulat
             if (first && second) out << label << columns(std::array{*first, *second}) << "\n";
             else if (first) out << label << columns(std::array{*first}) << "\n";
         };
-        out << scene.joints[j].name << "\n";
+        out << scene.joints[j].name << (joint.broken ? ", broken\n" : "\n");
+        if (joint.broken) continue;
         line("  angle            rad  ", joint.angle, joint.to_angle);
         line("  speed            rad/s", joint.speed, joint.to_speed);
         line("  travel           m    ", joint.travel, {});
         line("  speed            m/s  ", joint.travel_speed, {});
+        if (joint.at_limit.value_or(0) != 0) out << "  at its " << (*joint.at_limit > 0 ? "most" : "least") << "\n";
         out << "  force            N    " << columns(joint.force) << "\n  torque           N m  "
-            << columns(joint.torque) << "\n  gap              m    " << columns(std::array{joint.gap}) << "\n";
+            << columns(joint.torque) << "\n  gap              m    " << columns(std::array{joint.gap.value_or(0)})
+            << "\n";
     }
     out << "energy " << few_digits(energy.start()) << " J at the start, " << few_digits(energy.end())
         << " J at the end";

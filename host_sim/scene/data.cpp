@@ -68,17 +68,18 @@ SleepSpec sleep_of(const ContactDescription& contact) {
     return {true, contact.sleep->speed, contact.sleep->angular_speed, contact.sleep->time};
 }
 
-AnyJointSpec joint_of(const JointDescription& joint) {
-    const int body = joint.body, to_body = joint.to_body;
-    const RealVec3 anchor = real_vector(joint.anchor), axis = real_vector(joint.axis);
-    switch (joint.kind) {
-    case JointKind::ball: return BallSpec{body, to_body, anchor};
-    case JointKind::fixed: return FixedSpec{body, to_body, anchor};
-    case JointKind::slider: return SliderSpec{body, to_body, anchor, axis};
-    case JointKind::universal: return UniversalSpec{body, to_body, anchor, axis, real_vector(joint.to_axis)};
-    default: return HingeSpec{body, to_body, anchor, axis};
+AnyJointSpec spec_of_kind(JointKind kind) {
+    switch (kind) {
+    case JointKind::ball: return BallSpec{};
+    case JointKind::fixed: return FixedSpec{};
+    case JointKind::slider: return SliderSpec{};
+    case JointKind::universal: return UniversalSpec{};
+    case JointKind::distance: return DistanceSpec{};
+    default: return HingeSpec{};
     }
 }
+
+JointSpring spring_of(const JointSpringDescription& spring) { return {spring.stiffness, spring.damping, spring.rest}; }
 
 // True if two bodies, of which at least one moves, may touch.
 bool any_pair_meets(const std::vector<BodySpec>& bodies) {
@@ -123,11 +124,34 @@ SceneData with_events_in_order(SceneData scene) {
     return scene;
 }
 
+AnyJointSpec joint_of(const JointDescription& joint) {
+    AnyJointSpec made = spec_of_kind(joint.kind);
+    made.visit([&](auto& spec) {
+        spec.body = joint.body;
+        spec.to_body = joint.to_body;
+        if constexpr (requires { spec.anchor; }) spec.anchor = real_vector(joint.anchor);
+        if constexpr (requires { spec.axis; }) spec.axis = real_vector(joint.axis);
+        if constexpr (requires { spec.to_axis; }) spec.to_axis = real_vector(joint.to_axis);
+        if constexpr (requires { spec.limits; }) spec.limits = {joint.least, joint.most};
+        if constexpr (requires { spec.to_point; }) {
+            spec.point = real_vector(joint.anchor);
+            spec.to_point = real_vector(joint.to_point);
+            spec.least = joint.least;
+            spec.most = joint.most;
+        }
+        if constexpr (requires { spec.spring; }) spec.spring = spring_of(joint.spring);
+        if constexpr (requires { spec.to_spring; }) spec.to_spring = spring_of(joint.to_spring);
+        spec.break_force = joint.break_force;
+        if constexpr (requires { spec.break_torque; }) spec.break_torque = joint.break_torque;
+    });
+    return made;
+}
+
 EventSpec event_of(const EventDescription& event) {
     const Quadruple& q = event.orientation;
     return {event.time,
             event.kind,
-            event.body,
+            has_joint(event.kind) ? event.joint : event.body,
             event.frame,
             real_vector(event.value),
             real_vector(event.point),
@@ -227,6 +251,12 @@ Features needs(const SceneData& scene) {
         return !body.is_fixed() && body.shape.kind != ShapeKind::sphere;
     };
     const auto is_layered = [](const BodySpec& body) { return body.layers != BodySpec::all_layers; };
+    const auto any_joint = [&](auto&& is_one) {
+        bool any_is = false;
+        for (const AnyJointSpec& joint : scene.joints)
+            joint.visit([&](const auto& spec) { any_is = any_is || is_one(spec); });
+        return any_is;
+    };
     const auto moving = static_cast<int>(
         std::count_if(scene.bodies.begin(), scene.bodies.end(), [](const BodySpec& body) { return !body.is_fixed(); }));
     const auto is_turntable = [](const BodySpec& body) { return body.fixed && !body.angular_velocity.is_zero(); };
@@ -254,6 +284,16 @@ Features needs(const SceneData& scene) {
         .planes = static_cast<int>(planes),
         .springs = static_cast<int>(scene.springs.size()),
         .joints = static_cast<int>(scene.joints.size()),
+        .distances = any_joint([](const auto& spec) {
+            return requires { spec.to_point; };
+        }),
+        .joint_springs = any_joint(
+            [](const auto& spec) { return detail::spring_of(spec, 0).acts() || detail::spring_of(spec, 1).acts(); }),
+        .joint_limits = any_joint([](const auto& spec) { return detail::limits_of(spec).acts(); }),
+        .joint_breaks = any_joint([](const auto& spec) {
+                            return !detail::break_force_of(spec).is_zero() || !detail::break_torque_of(spec).is_zero();
+                        }) ||
+                        any(scene.events, [](const EventSpec& event) { return event.kind == EventKind::break_joint; }),
         .rotation = rotation,
         .point_masses = any(scene.bodies, is_point_mass),
         .drag = world.linear_drag > Real{} || world.angular_drag > Real{},
@@ -266,6 +306,7 @@ Features needs(const SceneData& scene) {
         .impulses = !scene.impulses.empty(),
         .control = any(scene.events, is_control),
         .script = !scene.events.empty(),
+        .removal = any(scene.events, [](const EventSpec& event) { return event.kind == EventKind::remove_joint; }),
         .pairs = pairs,
         .boxes = (by_impulses || by_springs) && any(scene.bodies, is_box),
         .round_shapes = planes > 0 && any(scene.bodies, is_moving_round),

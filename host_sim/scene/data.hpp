@@ -34,10 +34,11 @@ public:
 };
 
 // A joint of any kind, as a Replay takes it.
-struct AnyJointSpec : std::variant<HingeSpec, BallSpec, FixedSpec, SliderSpec, UniversalSpec> {
+struct AnyJointSpec : std::variant<HingeSpec, BallSpec, FixedSpec, SliderSpec, UniversalSpec, DistanceSpec> {
     using variant::variant;
     // Calls f(spec).
     void visit(const auto& f) const { std::visit(f, static_cast<const variant&>(*this)); }
+    void visit(const auto& f) { std::visit(f, static_cast<variant&>(*this)); }
 };
 
 struct SceneData {
@@ -70,6 +71,9 @@ struct SceneData {
 
 // True if the kernel simulates contacts between the two kinds of shapes, in either order.
 [[nodiscard]] bool shapes_meet(ShapeKind a, ShapeKind b);
+
+// A joint in the kernel's numbers.
+[[nodiscard]] AnyJointSpec joint_of(const JointDescription& joint);
 
 // An event in the kernel's numbers.
 [[nodiscard]] EventSpec event_of(const EventDescription& event);

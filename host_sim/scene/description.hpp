@@ -72,14 +72,37 @@ struct SpringDescription {
     double stiffness = 0.0, damping = 0.0, rest_length = 0.0;
 };
 
+// A spring and a damper along a free direction of a joint.
+struct JointSpringDescription {
+    double stiffness = 0.0;  // N m/rad, of a slider and a distance N/m
+    double damping = 0.0;    // N m s/rad, of a slider and a distance N s/m
+    double rest = 0.0;       // rad or m from the start; of a distance its length, m
+
+    [[nodiscard]] bool acts() const { return stiffness > 0.0 || damping > 0.0; }
+};
+
 struct JointDescription {
     std::string name;
     JointKind kind = JointKind::hinge;
-    int body = 0;      // index into bodies
-    int to_body = -1;  // -1: the world
-    Triple anchor{};   // m, world, at the start
-    Triple axis{};     // world, at the start; as written, not yet normalised; of hinge, slider and universal
-    Triple to_axis{};  // likewise; of universal
+    int body = 0;       // index into bodies
+    int to_body = -1;   // -1: the world
+    Triple anchor{};    // m, world, at the start; of a distance the point of `body`
+    Triple to_point{};  // likewise; of a distance the point of `to_body`
+    Triple axis{};      // world, at the start; as written, not yet normalised; of hinge, slider and universal
+    Triple to_axis{};   // likewise; of universal
+    double least = 0.0, most = 0.0;  // limits of a hinge, rad, or a slider, m, from the start, both 0: none; of a
+                                     // distance its range, m
+    JointSpringDescription spring{}, to_spring{};  // to_spring: of universal, about to_axis
+    double break_force = 0.0, break_torque = 0.0;  // N and N m; 0: none breaks it
+
+    [[nodiscard]] bool is_rod() const { return kind == JointKind::distance && least == most; }
+    // Is it held at the ends of a range alone?
+    [[nodiscard]] bool has_ends() const { return !is_rod() && (least != 0.0 || most != 0.0); }
+    [[nodiscard]] bool may_break() const { return break_force > 0.0 || break_torque > 0.0; }
+    // The point at which it holds a side, m, world, at the start.
+    [[nodiscard]] const Triple& anchor_on(int side) const {
+        return kind == JointKind::distance && side == to_body ? to_point : anchor;
+    }
 };
 
 struct ImpulseDescription {
@@ -103,11 +126,12 @@ struct ForceDescription {
 struct EventDescription {
     double time = 0.0;  // s; of a live event: none
     EventKind kind = EventKind::impulse;
-    int body = -1;                              // none of gravity
+    int body = -1;                              // none of gravity and of a joint
     Frame frame = Frame::world;                 // of `value`
     Triple value{};                             // see EventKind
     Triple point{};                             // body frame, user's axes
     Quadruple orientation{1.0, 0.0, 0.0, 0.0};  // of a pose; normalised when applied
+    int joint = -1;                             // of an event of a joint: index into joints
 };
 
 struct RangeDescription {

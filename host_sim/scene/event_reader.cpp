@@ -37,7 +37,7 @@ void check_ranges(Table& table, const EventDescription& event, RangeDescription&
 const Words<EventKind>& event_kinds() {
     static const Words<EventKind> kinds = [] {
         Words<EventKind> all;
-        for (int i = 0; i <= static_cast<int>(EventKind::gravity); ++i) {
+        for (int i = 0; i <= static_cast<int>(EventKind::remove_joint); ++i) {
             const auto kind = static_cast<EventKind>(i);
             if (kind != EventKind::remove) all.emplace_back(name_of(kind), kind);  // a scene keeps its bodies
         }
@@ -46,27 +46,56 @@ const Words<EventKind>& event_kinds() {
     return kinds;
 }
 
+// The joint that a key names.
+int resolve_joint(Table& table, const std::string& name, const SceneDescription& scene) {
+    std::vector<std::string> names;
+    for (std::size_t j = 0; j < scene.joints.size(); ++j) {
+        if (scene.joints[j].name == name) return static_cast<int>(j);
+        names.push_back(scene.joints[j].name);
+    }
+    if (names.empty()) table.at("joint").fail("the scene has no joints", "an event of a body, or a [[joint]]");
+    table.at("joint").fail("got " + in_quotes(name) + suggestion(name, names), "the name of a joint: " + listed(names));
+}
+
+// An event of a joint has nothing beside its time and its joint.
+void check_joint_event(Table& table, EventDescription& event, const std::string& joint, const SceneDescription& scene) {
+    const std::string kind = name_of(event.kind);
+    for (const char* key : {"body", "value", "frame", "point", "orientation"})
+        if (table.has(key))
+            table.at(key).fail("given for " + in_quotes(kind), "joint = the name of a joint, and no more");
+    event.joint = resolve_joint(table, joint, scene);
+}
+
 }  // namespace
 
 EventDescription read_event(Table table, const SceneDescription& scene, RangeDescription& range, bool live) {
     static const Words<Frame> frames{{"world", Frame::world}, {"body", Frame::body}};
     EventDescription event;
-    std::string body;
+    std::string body, joint;
     if (!live) table.required("time", event.time, seconds);
     table.required("kind", event.kind, event_kinds());
-    const bool acts_on_a_body = has_body(event.kind);
+    const bool acts_on_a_body = has_body(event.kind), acts_on_a_joint = has_joint(event.kind);
     if (acts_on_a_body) table.required("body", body);
     else table.optional("body", body);
-    table.required("value", event.value, any_triple);
+    if (acts_on_a_joint) table.required("joint", joint);
+    else table.optional("joint", joint);
+    if (acts_on_a_joint) table.optional("value", event.value, any_triple);
+    else table.required("value", event.value, any_triple);
     table.optional("frame", event.frame, frames);
     table.optional("point", event.point, metres);
     const bool has_orientation = table.optional("orientation", event.orientation, any_quaternion);
     table.finish();
 
     if (acts_on_a_body) event.body = resolve(table, "body", body, scene);
-    else if (table.has("body")) table.at("body").fail("given for gravity", "no body: gravity acts on all of them");
     if (!live) check_time(table, "time", event.time, scene);
     const std::string kind = name_of(event.kind);
+    if (acts_on_a_joint) {
+        check_joint_event(table, event, joint, scene);
+        return event;
+    }
+    if (table.has("joint")) table.at("joint").fail("given for " + in_quotes(kind), "it for an event of a joint alone");
+    if (!acts_on_a_body && table.has("body"))
+        table.at("body").fail("given for gravity", "no body: gravity acts on all of them");
     if (has_orientation && event.kind != EventKind::pose)
         table.at("orientation").fail("given for " + in_quotes(kind), "it for a pose alone");
     if (table.has("frame") && event.kind == EventKind::pose)

@@ -1,4 +1,5 @@
 // Tables of joints.
+#include <tumble/joints/distance.hpp>
 #include <tumble/joints/universal.hpp>
 #include <tumble/shapes/pairs.hpp>
 
@@ -14,35 +15,39 @@ namespace {
 // m, from the centre of mass of a body: what fixed point holds, less the rounding of a position.
 constexpr double longest_arm = 4096 * (1 - 1e-6);
 
-// What a kind's axis is for; empty: the kind has none. `instead`: why it has none.
+// What a kind's axis is for, and why it has none, no limits or no spring; empty: it has.
 struct KindRow {
     const char* axis;
-    const char* instead;
+    const char* no_axis;
+    const char* no_limits;
+    const char* no_spring;
 };
 const KindRow& row_of(JointKind kind) {
-    static constexpr KindRow hinge{"a hinge turns about it", ""}, ball{"", "a ball turns about any axis"},
-        fixed{"", "a fixed joint has no free direction"}, slider{"a slider moves along it", ""},
-        universal{"a universal joint turns about it, and about to_axis", ""};
+    static constexpr const char* const no_one_angle = "limits are there of a hinge and a slider alone";
+    static constexpr KindRow hinge{"a hinge turns about it", "", "", ""},
+        ball{"", "a ball turns about any axis", no_one_angle, ""},
+        fixed{"", "a fixed joint has no free direction", "a fixed joint has no free direction",
+              "a fixed joint has no free direction"},
+        slider{"a slider moves along it", "", "", ""},
+        universal{"a universal joint turns about it, and about to_axis", "", no_one_angle, ""},
+        distance{"", "a distance acts along the line between its points", "its range is least and most", ""};
     switch (kind) {
     case JointKind::ball: return ball;
     case JointKind::fixed: return fixed;
     case JointKind::slider: return slider;
     case JointKind::universal: return universal;
+    case JointKind::distance: return distance;
     default: return hinge;
     }
 }
 
 // Words of other programs, and what they are called here.
 constexpr std::pair<std::string_view, const char*> other_kinds[] = {
-    {"revolute", "a revolute joint is a hinge"},
-    {"pin", "a pin joint is a hinge"},
-    {"prismatic", "a prismatic joint is a slider"},
-    {"spherical", "a spherical joint is a ball"},
-    {"socket", "a ball and its socket are a ball"},
-    {"weld", "a weld is a fixed joint"},
-    {"cardan", "a cardan joint is a universal joint"},
-    {"rope", "there is no rope yet, and a stiff [[spring]] is the nearest to one"},
-    {"distance", "there is no rod yet, and a stiff [[spring]] is the nearest to one"},
+    {"revolute", "a revolute joint is a hinge"},       {"pin", "a pin joint is a hinge"},
+    {"prismatic", "a prismatic joint is a slider"},    {"spherical", "a spherical joint is a ball"},
+    {"socket", "a ball and its socket are a ball"},    {"weld", "a weld is a fixed joint"},
+    {"cardan", "a cardan joint is a universal joint"}, {"rope", "a rope is a distance with most"},
+    {"cable", "a cable is a distance with most"},      {"rod", "a rod is a distance with length"},
 };
 
 JointKind read_kind(const Value& value) {
@@ -56,15 +61,115 @@ JointKind read_kind(const Value& value) {
     value.fail("got " + in_quotes(text) + suggestion(text, names), listed(names));
 }
 
-// Axes that the kind has are required and not zero; those that it has not are refused.
+// Axes that the kind has are required and not zero.
 void read_axis(Table& table, const char* key, Triple& axis, bool has_axis, const std::string& why) {
     constexpr Quantity direction{Quantity::any, "", "x, y, z"};
     const std::string wanted = "a direction [x, y, z] that is not zero: " + why;
     const auto value = table.find(key);
-    if (!has_axis) return;
-    if (!value) return table.missing(key, wanted);
+    if (!value && has_axis) table.missing(key, wanted);
+    if (!value) return;
     convert(*value, axis, direction);
     check_not_zero(*value, axis.data(), axis.size(), wanted);
+}
+
+double distance_of(const Triple& a, const Triple& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
+// Keys of other programs that this one has not yet, and why.
+void refuse_what_is_not_there(Table& table) {
+    constexpr const char* none = "there are no motors of joints yet";
+    constexpr std::pair<const char*, const char*> missing[] = {{"motor", none},
+                                                               {"servo", none},
+                                                               {"friction", "there is no friction of joints yet"},
+                                                               {"collide", "jointed bodies touch nothing yet"}};
+    for (const auto& [key, reason] : missing)
+        if (table.has(key))
+            table.at(key).fail(reason, "of what acts in a joint limits, spring, break_force or break_torque");
+}
+
+void read_point(Table& table, const char* key, Triple& point, bool is_required) {
+    if (is_required) table.required(key, point, metres);
+    else table.optional(key, point, metres);
+}
+
+// The range of a distance.
+void read_distance(Table& table, JointDescription& joint) {
+    const bool is_rod = table.optional("length", joint.most, Quantity{Quantity::positive, "m"});
+    if (is_rod) joint.least = joint.most;
+    table.optional("least", joint.least, Quantity{Quantity::not_negative, "m"});
+    const bool has_most = table.optional("most", joint.most, Quantity{Quantity::positive, "m"});
+    if (joint.kind == JointKind::distance && !is_rod && !has_most)
+        table.missing(table.has("least") ? "most" : "length",
+                      table.has("least") ? "a positive finite number (m): the distance is from least to most"
+                                         : "length of a rod (m), or most of a rope (m) with or without least (m)");
+}
+
+void check_distance(Table& table, const JointDescription& joint) {
+    for (const char* key : {"least", "most"})
+        if (table.has("length") && table.has(key))
+            table.at(key).fail("given beside length", "length of a rod, or least and most of a range");
+    if (joint.least > joint.most)
+        table.at("least").refuse("at most most = " + shown(joint.most) + " (m), from where on the distance is held");
+    const double apart = distance_of(joint.anchor, joint.to_point);
+    if (joint.is_rod() && !(apart > 0))
+        table.at("to_point").fail("it is at point", "another place: a rod acts along the line between them");
+    bool is_outside = false;
+    joint_of(joint).visit([&](const auto& spec) {
+        if constexpr (requires { spec.to_point; }) is_outside = joints::Distance::fault_of(spec) != JointFault::none;
+    });
+    if (!is_outside) return;
+    const std::string start = ", the distance of point and to_point at the start";
+    if (table.has("length")) table.at("length").refuse(shown(apart) + " (m)" + start);
+    if (apart > joint.most) table.at("most").refuse("at least " + shown(apart) + " (m)" + start);
+    table.at("least").refuse("at most " + shown(apart) + " (m)" + start);
+}
+
+void read_spring(Table& table, const char* key, JointKind kind, JointSpringDescription& spring) {
+    const auto value = table.find(key);
+    if (!value) return;
+    const std::string rest = rest_key(kind);
+    const bool is_linear = kind == JointKind::slider || kind == JointKind::distance;
+    const std::string example = "a table { stiffness = 10.0, damping = 0.1" +
+                                (rest.empty() ? "" : ", " + rest + " = 0.5") + " } of " +
+                                (is_linear ? "N/m, N s/m" : "N m/rad, N m s/rad") +
+                                (rest.empty() ? ""
+                                 : is_linear  ? " and m"
+                                              : " and rad");
+    if (!value->node().is_table()) value->refuse(example);
+    Table keys(value->place(), *value->node().as_table());
+    keys.optional("stiffness", spring.stiffness, Quantity{Quantity::not_negative, is_linear ? "N/m" : "N m/rad"});
+    keys.optional("damping", spring.damping, Quantity{Quantity::not_negative, is_linear ? "N s/m" : "N m s/rad"});
+    const bool has_rest =
+        !rest.empty() && keys.optional(rest, spring.rest,
+                                       kind == JointKind::distance ? Quantity{Quantity::not_negative, "m"}
+                                                                   : Quantity{Quantity::any, is_linear ? "m" : "rad"});
+    if (kind == JointKind::ball && keys.has("angle"))
+        keys.at("angle").fail("given for a ball joint", "no angle: the spring of a ball rests where the joint starts");
+    keys.finish();
+    if (!spring.acts()) value->fail("it has no effect", "a stiffness or a damping above 0, or no " + std::string(key));
+    if (has_rest && !(spring.stiffness > 0))
+        keys.at(rest).fail("given without stiffness", "stiffness above 0 beside it");
+    constexpr double half_turn = 3.14159265358979323846;
+    if (has_rest && !is_linear && std::abs(spring.rest) > half_turn)
+        keys.at(rest).refuse("a number from -pi to pi (rad): a spring knows the angle within half a turn");
+}
+
+// [least, most] around the start.
+void read_limits(Table& table, JointDescription& joint) {
+    constexpr double most_angle = 2.6;  // rad
+    const auto value = table.find("limits");
+    if (!value) return;
+    const bool turns = joint.kind == JointKind::hinge;
+    const std::string unit = turns ? "(rad)" : "(m)", wanted = "[least, most] around 0, where the joint starts " + unit;
+    const auto* const array = value->node().as_array();
+    if (array == nullptr || array->size() != 2) value->refuse(wanted);
+    std::array<double, 2> limits{};
+    convert(*value, limits, Quantity{Quantity::any, turns ? "rad" : "m", "least, most"});
+    if (limits[0] > 0 || limits[1] < 0) value->refuse(wanted);
+    if (limits[0] == limits[1]) value->refuse(wanted + "; a joint that does not move is a fixed one");
+    if (turns && (limits[0] < -most_angle || limits[1] > most_angle))
+        value->refuse(wanted + ", each within " + shown(most_angle) + " rad");
+    joint.least = limits[0];
+    joint.most = limits[1];
 }
 
 // Fixed bodies and the world are one.
@@ -153,16 +258,21 @@ void check_perpendicular(Table& table, const JointDescription& joint) {
 
 // Fixed point refuses the scene with it, as with a number that it does not hold.
 void check_arms(Table& table, const JointDescription& joint, const SceneDescription& scene, RangeDescription& range) {
+    static const std::string held = "less than 4096 m, the most that fixed point holds; --numbers f64 and f32 have no "
+                                    "such limit";
+    const bool is_distance = joint.kind == JointKind::distance;
     for (const int side : {joint.body, joint.to_body}) {
         if (side < 0) continue;
         const BodyDescription& body = scene.body(side);
-        const double arm = std::hypot(joint.anchor[0] - body.position[0], joint.anchor[1] - body.position[1],
-                                      joint.anchor[2] - body.position[2]);
+        const double arm = distance_of(joint.anchor_on(side), body.position);
+        const char* const key = !is_distance ? "anchor" : side == joint.body ? "point" : "to_point";
         if (arm > longest_arm && !range.beyond_default)
-            range.beyond_default = table.at("anchor").place().error(
-                "it is " + few_digits(arm) + " m from the centre of mass of body " + in_quotes(body.name),
-                "less than 4096 m, the most that fixed point holds; --numbers f64 and f32 have no such limit");
+            range.beyond_default = table.at(key).place().error(
+                "it is " + few_digits(arm) + " m from the centre of mass of body " + in_quotes(body.name), held);
     }
+    const char* const key = !is_distance ? "limits" : table.has("length") ? "length" : "most";
+    const bool is_long = joint.kind != JointKind::hinge && std::max(joint.most, -joint.least) > longest_arm;
+    if (is_long && !range.beyond_default) range.beyond_default = table.at(key).refusal(held);
 }
 
 // Bodies that springs and gravitation tie to jointed bodies, and these, with how far each is from them.
@@ -196,28 +306,57 @@ std::string passed_by(const SceneDescription& scene, std::size_t b) {
     return "";
 }
 
+// Keys that the kind has not are refused with the reason.
+void refuse_what_the_kind_has_not(Table& table, JointKind kind) {
+    const KindRow& row = row_of(kind);
+    const bool is_distance = kind == JointKind::distance;
+    const auto refuse = [&](const char* key, bool is_there, const std::string& wanted) {
+        if (table.has(key) && !is_there)
+            table.at(key).fail("given for a " + word_of(joint_kinds, kind) + " joint", wanted);
+    };
+    refuse("anchor", !is_distance, "point and to_point, its two ends");
+    refuse("axis", *row.axis != 0, std::string("no axis: ") + row.no_axis);
+    refuse("to_axis", kind == JointKind::universal, "it for a universal joint alone");
+    for (const char* key : {"point", "to_point"}) refuse(key, is_distance, "anchor, the point that both sides keep");
+    for (const char* key : {"length", "least", "most"}) refuse(key, is_distance, "it for a distance alone");
+    refuse("limits", *row.no_limits == 0, std::string("no limits: ") + row.no_limits);
+    refuse("spring", *row.no_spring == 0, std::string("no spring: ") + row.no_spring);
+    refuse("to_spring", kind == JointKind::universal, "it for a universal joint alone, which has a second axis");
+    refuse("break_torque", !is_distance, "break_force: a distance carries no torque");
+}
+
 }  // namespace
 
 JointDescription read_joint(Table table, const SceneDescription& scene, RangeDescription& range) {
     JointDescription joint;
     std::string body, to_body;
+    refuse_what_is_not_there(table);
     table.optional("name", joint.name);
-    if (const auto kind = table.find("kind")) joint.kind = read_kind(*kind);
-    else table.missing("kind", listed(keys_of(joint_kinds)));
+    if (const auto kind = table.find("kind")) {
+        joint.kind = read_kind(*kind);
+        refuse_what_the_kind_has_not(table, joint.kind);
+    } else table.missing("kind", listed(keys_of(joint_kinds)));
+    // From here on keys that the kind has not are not there, or the kind is not.
     const KindRow& row = row_of(joint.kind);
-    const bool is_universal = joint.kind == JointKind::universal, has_axis = *row.axis != 0;
+    const bool is_universal = joint.kind == JointKind::universal, is_distance = joint.kind == JointKind::distance;
     table.required("body", body);
     const bool has_to_body = table.optional("to_body", to_body);
-    table.required("anchor", joint.anchor, metres);
-    read_axis(table, "axis", joint.axis, has_axis, row.axis);
+    read_point(table, "anchor", joint.anchor, !is_distance);
+    read_point(table, "point", joint.anchor, is_distance);
+    read_point(table, "to_point", joint.to_point, is_distance);
+    read_axis(table, "axis", joint.axis, *row.axis != 0, row.axis);
     read_axis(table, "to_axis", joint.to_axis, is_universal, "the axis that to_body keeps, perpendicular to axis");
+    read_distance(table, joint);
+    read_limits(table, joint);
+    read_spring(table, "spring", joint.kind, joint.spring);
+    read_spring(table, "to_spring", joint.kind, joint.to_spring);
+    table.optional("break_force", joint.break_force, Quantity{Quantity::positive, "N"});
+    table.optional("break_torque", joint.break_torque, Quantity{Quantity::positive, "N m"});
     table.finish();
 
-    const std::string kind = word_of(joint_kinds, joint.kind);
-    if (table.has("axis") && !has_axis)
-        table.at("axis").fail("given for a " + kind + " joint", std::string("no axis: ") + row.instead);
-    if (table.has("to_axis") && !is_universal)
-        table.at("to_axis").fail("given for a " + kind + " joint", "it for a universal joint alone");
+    if (is_distance) check_distance(table, joint);
+    if (joint.is_rod() && joint.spring.acts())
+        table.at("spring").fail("given for a rod, which keeps its length", "least and most, or no spring");
     joint.body = resolve(table, "body", body, scene);
     if (has_to_body) joint.to_body = resolve(table, "to_body", to_body, scene);
     if (joint.to_body == joint.body)
@@ -225,7 +364,8 @@ JointDescription read_joint(Table table, const SceneDescription& scene, RangeDes
                                  "another body, or none for the world");
     if (joint.name.empty()) joint.name = body + " to " + (has_to_body ? to_body : "world");
     check_sides(table, joint, scene);
-    check_range(table, "anchor", joint.anchor, "position", range);
+    check_range(table, is_distance ? "point" : "anchor", joint.anchor, "position", range);
+    if (is_distance) check_range(table, "to_point", joint.to_point, "position", range);
     check_arms(table, joint, scene, range);
     if (is_universal) check_perpendicular(table, joint);
     refuse_loop(table, joint, scene);

@@ -49,6 +49,7 @@ void for_each_number(SceneDescription& scene, const Visit& visit) {
         all(joint.anchor, Measure::position);
         all(joint.axis, Measure::angle);
         all(joint.to_axis, Measure::angle);
+        all(joint.to_point, Measure::position);
     }
     for (auto& impulse : scene.impulses)
         for (auto* numbers : {&impulse.impulse, &impulse.angular_impulse}) all(*numbers, Measure::factor);

@@ -9,7 +9,7 @@
 
 namespace tumble::host {
 
-enum class JointKind { hinge, ball, fixed, slider, universal };
+enum class JointKind { hinge, ball, fixed, slider, universal, distance };
 
 // One choice of a fixed set of words.
 template <class T>
@@ -31,10 +31,19 @@ inline const Words<Mixing> mixings{{"larger", Mixing::larger},
                                    {"mean", Mixing::mean},
                                    {"geometric mean", Mixing::geometric_mean},
                                    {"product", Mixing::product}};
-inline const Words<JointKind> joint_kinds{{"ball", JointKind::ball},
-                                          {"hinge", JointKind::hinge},
-                                          {"slider", JointKind::slider},
-                                          {"fixed", JointKind::fixed},
-                                          {"universal", JointKind::universal}};
+inline const Words<JointKind> joint_kinds{{"ball", JointKind::ball},           {"hinge", JointKind::hinge},
+                                          {"slider", JointKind::slider},       {"fixed", JointKind::fixed},
+                                          {"universal", JointKind::universal}, {"distance", JointKind::distance}};
+
+// The key of where the spring of a joint rests; empty where that is the start.
+[[nodiscard]] inline const char* rest_key(JointKind kind) {
+    switch (kind) {
+    case JointKind::hinge:
+    case JointKind::universal: return "angle";
+    case JointKind::slider: return "travel";
+    case JointKind::distance: return "rest_length";
+    default: return "";
+    }
+}
 
 }  // namespace tumble::host

@@ -62,6 +62,22 @@ std::string contact_text(const ContactDescription& c) {
            line("sleep", sleep);
 }
 
+// Where a joint holds its sides, and its range.
+std::string ends_text(const JointDescription& joint) {
+    if (joint.kind != JointKind::distance)
+        return line("anchor", joint.anchor) +
+               (joint.has_ends() ? line("limits", std::array{joint.least, joint.most}) : "");
+    return line("point", joint.anchor) + line("to_point", joint.to_point) +
+           (joint.is_rod() ? line("length", joint.most) : line("least", joint.least) + line("most", joint.most));
+}
+
+std::string spring_text(const JointSpringDescription& spring, JointKind kind) {
+    if (!spring.acts()) return "";
+    const std::string rest = rest_key(kind);
+    return "{ stiffness = " + text_of(spring.stiffness) + ", damping = " + text_of(spring.damping) +
+           (spring.rest != 0 ? ", " + rest + " = " + text_of(spring.rest) : "") + " }";
+}
+
 }  // namespace
 
 std::string scene_text(const SceneDescription& scene) {
@@ -105,9 +121,12 @@ std::string scene_text(const SceneDescription& scene) {
     for (const JointDescription& j : scene.joints)
         text += "\n[[joint]]\n" + line("name", json_text(j.name)) +
                 line("kind", json_text(word_of(joint_kinds, j.kind))) + line("body", name_of(j.body)) +
-                (j.to_body < 0 ? "" : line("to_body", name_of(j.to_body))) + line("anchor", j.anchor) +
+                (j.to_body < 0 ? "" : line("to_body", name_of(j.to_body))) + ends_text(j) +
                 (j.axis == Triple{} ? "" : line("axis", j.axis)) +
-                (j.to_axis == Triple{} ? "" : line("to_axis", j.to_axis));
+                (j.to_axis == Triple{} ? "" : line("to_axis", j.to_axis)) +
+                line("spring", spring_text(j.spring, j.kind)) + line("to_spring", spring_text(j.to_spring, j.kind)) +
+                (j.break_force > 0 ? line("break_force", j.break_force) : "") +
+                (j.break_torque > 0 ? line("break_torque", j.break_torque) : "");
     for (const ImpulseDescription& impulse : scene.impulses) text += impulse_text(impulse, scene);
     for (const ForceDescription& f : scene.forces)
         text += "\n[[force]]\n" + line("body", name_of(f.body)) + line("from", f.from) + line("until", f.until) +
@@ -132,8 +151,10 @@ std::string expectation_text(const Expectation& expected) {
 }
 
 std::string event_text(const EventDescription& event, const SceneDescription& scene) {
-    return "\n[[event]]\n" + line("time", event.time) + line("kind", json_text(name_of(event.kind))) +
-           (has_body(event.kind) ? line("body", json_text(scene.body(event.body).name)) : "") +
+    const std::string head = "\n[[event]]\n" + line("time", event.time) + line("kind", json_text(name_of(event.kind)));
+    if (has_joint(event.kind))
+        return head + line("joint", json_text(scene.joints[static_cast<std::size_t>(event.joint)].name));
+    return head + (has_body(event.kind) ? line("body", json_text(scene.body(event.body).name)) : "") +
            line("value", event.value) + frame_text(event.frame) +
            (event.point == Triple{} ? "" : line("point", event.point)) +
            (event.kind == EventKind::pose && !scene.body(event.body).is_point_mass()

@@ -121,7 +121,7 @@ void add_light_link(const SceneDescription& scene, std::vector<std::string>& lis
         for (const int b : {joint.body, joint.to_body}) {
             if (b < 0 || scene.body(b).fixed) continue;
             const auto link = static_cast<std::size_t>(b);
-            const double of_joint = swing_of(data.bodies[link], joint.anchor);
+            const double of_joint = swing_of(data.bodies[link], joint.anchor_on(b));
             load[link] += g * hanging.mass * of_joint;
             swing[link] = std::max(swing[link], of_joint);
             const auto mass_of = [&](int body) { return data.bodies[static_cast<std::size_t>(body)].mass; };

@@ -48,15 +48,19 @@ struct ContactSnapshot {
     std::array<double, 3> friction_impulse{};  // N s, on the body, world
 };
 
-// How a joint stands and moves, and what it carries: World::joint(). What its kind has not is none.
+// How a joint stands and moves, and what it carries: World::joint(). What its kind has not is none, and a joint that
+// holds nothing has nothing.
 struct JointSnapshot {
     std::optional<double> angle{}, speed{};          // rad, rad/s: hinge; universal, about the axis of `body`
     std::optional<double> to_angle{}, to_speed{};    // rad, rad/s: universal, about the axis of `to_body`
-    std::optional<double> travel{}, travel_speed{};  // m, m/s: slider
+    std::optional<double> travel{}, travel_speed{};  // m, m/s: slider; distance, whose travel is its length
     std::array<double, 3> force{}, torque{};         // N, N m, world axes, on `body`, about the anchor
-    int corrections = 0;                             // of its tree in the last step
-    double gap = 0;                                  // m, between the anchors of both sides, as their bodies stand
-    double lean = 0;                                 // rad, between their orientations, less the free rotations
+    std::optional<int> at_limit{};  // of a joint with a range: 1 where it is held at its most, -1 at its least, else 0
+    bool broken = false;            // it broke or was removed, and holds nothing
+    int corrections = 0;            // of its tree in the last step
+    std::optional<double> gap{};   // m, between the anchors of both sides, as their bodies stand; of a distance what is
+                                   // beyond its range
+    std::optional<double> lean{};  // rad, between their orientations, less the free rotations
 };
 
 // J. The potential is that of gravity, springs, mutual gravitation, the gravity gradient and, as far as

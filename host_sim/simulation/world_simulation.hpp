@@ -79,6 +79,9 @@ public:
             spins.push_back(spin_of(now_, axes_of(b), b));
         }
         Energy now = energy_.of(motions, spins, gravity());
+        for (int j = 0; gaps_ && j < static_cast<int>(data_.joints.size()); ++j)
+            if (gaps_->has_spring(j) && holds(j))
+                now.potential += gaps_->stored_in(j, [&](int b) { return motions[static_cast<std::size_t>(b)]; });
         now.given = given_;
         return now;
     }
@@ -137,6 +140,7 @@ private:
     [[nodiscard]] virtual int contact_count(int b) const = 0;
     [[nodiscard]] virtual Vector gravity() const = 0;  // m/s^2, of the next step
     [[nodiscard]] virtual bool is_asleep(int b) const = 0;
+    [[nodiscard]] virtual bool holds(int j) const = 0;  // false of a joint that broke or was removed
 
     [[nodiscard]] reference::Motion motion_of(int b) const { return host::motion_of(now_, axes_of(b), b); }
 
@@ -192,6 +196,9 @@ public:
     }
 
     void apply(const EventDescription& event) override {
+        // As in a script: an event of a joint that is gone has no effect.
+        if constexpr (has_joints(part))
+            if (has_joint(event.kind) && !world().contains(JointId{event.joint})) return;
         const Vector before = gravity();
         world().apply(world().prepare(event_of(event)));
         if (event.kind == EventKind::gravity) Told::given_ += dot(before - gravity(), Told::mass_moment());
@@ -232,8 +239,10 @@ public:
     [[nodiscard]] JointSnapshot joint([[maybe_unused]] int j) const override {
         JointSnapshot snapshot;
         if constexpr (has_joints(part)) {
+            snapshot.broken = !holds(j);
+            if (snapshot.broken) return snapshot;
             const auto now = Owned::replay.world().template joint<double>(JointId{j});
-            Owned::data.joints[static_cast<std::size_t>(j)].visit([&]<class Spec>(const Spec&) {
+            Owned::data.joints[static_cast<std::size_t>(j)].visit([&]<class Spec>(const Spec& spec) {
                 using Kind = JointKinds::Of<Spec>;
                 if constexpr (Kind::turns == 1 || Kind::turns == 2) {
                     snapshot.angle = now.angle;
@@ -243,10 +252,11 @@ public:
                     snapshot.to_angle = now.to_angle;
                     snapshot.to_speed = now.to_speed;
                 }
-                if constexpr (Kind::slides == 1) {
+                if constexpr (Kind::slides > 0) {
                     snapshot.travel = now.travel;
                     snapshot.travel_speed = now.speed;
                 }
+                if (JointGaps::range_of(spec).has_ends()) snapshot.at_limit = now.at_limit;
             });
             snapshot.force = array_of(now.force);
             snapshot.torque = array_of(now.torque);
@@ -298,6 +308,12 @@ private:
         return rooms;
     }
     [[nodiscard]] auto& world() { return Owned::replay.world(); }
+    [[nodiscard]] bool holds([[maybe_unused]] int j) const override {
+        const auto& now = Owned::replay.world();
+        if constexpr (has_joints(part))
+            return now.contains(JointId{j}) && !now.template joint<double>(JointId{j}).broken;
+        else return false;
+    }
     [[nodiscard]] int contact_count(int b) const override { return Owned::replay.world().contact_count(BodyId{b}); }
     [[nodiscard]] bool is_asleep(int b) const override { return Owned::replay.world().asleep(BodyId{b}); }
     // The world rounds it. Until an event changes it, it is that of the scene.

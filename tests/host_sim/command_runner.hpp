@@ -169,5 +169,26 @@ inline const std::string scene_of_every_joint =
     joint_of("universal", "c", "b", "[1.0, 0.0, 0.0]", "axis = [0.0, 1.0, 0.0]\nto_axis = [0.0, 0.0, 1.0]\n") +
     joint_of("slider", "carriage", "", "[0.0, 3.0, 0.0]", "axis = [-2.0, -2.0, 0.0]\n") +
     joint_of("fixed", "load", "carriage", "[0.5, 3.0, 0.0]");
+// A joint of this kind that keeps the distance of a point of a body and a point of the world; without `to`.
+[[nodiscard]] inline std::string distance_of(const std::string& body, const std::string& point,
+                                             const std::string& to_point, const std::string& range) {
+    return "[[joint]]\nkind = \"distance\"\nbody = \"" + body + "\"\npoint = " + point + "\nto_point = " + to_point +
+           "\n" + range + "\n";
+}
+
+// Bodies of 2 s, each on a joint of its own: with a spring about each axis and along each line, and no damper.
+inline const std::string scene_of_springs =
+    world_of("-9.81", "1/1024", "2.0") + smallest_range + body_of("door", "box = [1, 2, 0.1]", "[0.5, 0, 0]", "2.5") +
+    "velocity = [0, 0, -1]\nangular_velocity = [0, 2, 0]\n" + body_of("arm", "box = [1, 0.2, 0.1]", "[5.5, 0, 0]") +
+    body_of("cross", "box = [0.5, 0.25, 0.75]", "[10, 0.25, 0.125]", "1.5") +
+    body_of("drawer", "box = [0.5, 0.25, 0.75]", "[15, 0, 0]", "4.0") +
+    body_of("weight", "sphere = 0.2", "[20, -1, 0]") +
+    joint_of("hinge", "door", "", "[0, 0, 0]", "axis = [0, 1, 0]\nspring = { stiffness = 12, angle = -0.75 }\n") +
+    joint_of("ball", "arm", "", "[5, 0, 0]", "spring = { stiffness = 9 }\n") +
+    joint_of("universal", "cross", "", "[10, 0, 0]",
+             "axis = [1, 0, 0]\nto_axis = [0, 0, 1]\nspring = { stiffness = 8, angle = 0.5 }\n"
+             "to_spring = { stiffness = 5, angle = -0.25 }\n") +
+    joint_of("slider", "drawer", "", "[15, 0, 0]", "axis = [1, 1, 0]\nspring = { stiffness = 150, travel = 0.125 }\n") +
+    distance_of("weight", "[20, -1, 0]", "[20.5, 0, 0]", "most = 3\nspring = { stiffness = 60, rest_length = 0.75 }");
 
 }  // namespace tumble::host

@@ -91,6 +91,34 @@ TEST(Compile, joints_are_specs_of_their_kind_and_have_ids_by_their_names) {
     for (const char* part : {"tuple", "oint"}) EXPECT_FALSE(has(ball, part)) << part;
 }
 
+TEST(Compile, joints_have_their_ends_springs_and_strengths_and_no_feature_that_they_do_not_need) {
+    const std::string head = world_of("-9.81", "1/256", "1") + body_of("a", "sphere = 0.5");
+    const auto header_of = [&](const std::string& joint) {
+        return text_of({"compile", written("joint.toml", head + joint)});
+    };
+    const std::string hinge = header_of(joint_of("hinge", "a", "", "[0, 1, 0]",
+                                                 "axis = [0, 0, 1]\nlimits = [-0.5, 1.25]\nbreak_torque = 7.5\n"
+                                                 "spring = { stiffness = 3, damping = 0.25, angle = -1.5 }\n")),
+                      rope = header_of(distance_of("a", "[0, 0, 0]", "[0, 2, 0]", "most = 2.5\nbreak_force = 40")),
+                      cardan =
+                          header_of(joint_of("universal", "a", "", "[0, 0, 0]",
+                                             "axis = [1, 0, 0]\nto_axis = [0, 1, 0]\nto_spring = { damping = 2 }\n") +
+                                    "[[event]]\ntime = 0.5\nkind = \"remove_joint\"\njoint = \"a to world\"\n");
+    expect_parts(hinge, {".spring = {3.0, 0.25, -1.5},   // N m/rad, N m s/rad, rad\n",
+                         ".limits = {-0.5, 1.25},   // rad\n", ".break_torque = 7.5,   // N m\n",
+                         ".joint_springs = true,", ".joint_limits = true,", ".joint_breaks = true,"});
+    for (const char* part : {".distances", ".removal", ".break_force"}) EXPECT_FALSE(has(hinge, part)) << part;
+    expect_parts(rope,
+                 {"tumble::DistanceSpec{   // \"a to world\"\n            .body = 0,\n            .point = {0.0, 0.0, "
+                  "0.0},   // m\n            .to_point = {0.0, 2.0, 0.0},   // m\n            .most = 2.5,   // m\n",
+                  ".break_force = 40.0,   // N\n", ".distances = true,", ".joint_breaks = true,"});
+    for (const char* part : {".anchor", ".least", ".joint_springs", ".joint_limits"})
+        EXPECT_FALSE(has(rope, part)) << part;
+    expect_parts(cardan, {".to_spring = {0.0, 2.0, 0.0},", ".kind = tumble::EventKind::remove_joint,",
+                          ".body = 0,   // the joint\n", ".removal = true,"});
+    EXPECT_FALSE(has(cardan, " .spring"));
+}
+
 TEST(Compile, a_scene_without_bodies_needs_an_option) {
     const std::string scene = written("bodiless.toml", "[world]\nstep = 0.1\nduration = 1.0\n");
     EXPECT_EQ(tumble({"compile", scene}).status, 2);

@@ -581,6 +581,76 @@ TEST(SceneReader, every_key_of_joints_arrives_as_written_and_is_written_so) {
     EXPECT_FALSE(needed.touches());
 }
 
+constexpr const char* joints_with_ends_and_springs =
+    "[[joint]]\nkind = \"hinge\"\nbody = \"a\"\nanchor = [1, 2, 3]\naxis = [0, 0, 2]\nlimits = [-0.5, 2.5]\n"
+    "spring = { stiffness = 3, damping = 0.25, angle = -1.5 }\nbreak_force = 70\nbreak_torque = 8\n"
+    "[[joint]]\nkind = \"slider\"\nbody = \"b\"\nanchor = [1, 0, 0]\naxis = [0, 1, 0]\nlimits = [0, 12]\n"
+    "spring = { stiffness = 40, travel = 9 }\n"
+    "[[joint]]\nkind = \"universal\"\nbody = \"c\"\nanchor = [0, 1, 0]\naxis = [1, 0, 0]\nto_axis = [0, 1, 0]\n"
+    "spring = { damping = 2 }\nto_spring = { stiffness = 5, angle = 0.125 }\nbreak_torque = 6.5\n"
+    "[[joint]]\nkind = \"ball\"\nbody = \"d\"\nanchor = [0, 1, 0]\nspring = { stiffness = 7, damping = 1.5 }\n"
+    "[[joint]]\nname = \"rod\"\nkind = \"distance\"\nbody = \"e\"\nto_body = \"d\"\npoint = [3, 4, 0]\n"
+    "to_point = [0, 0, 0]\nlength = 5\nbreak_force = 9\n"
+    "[[joint]]\nkind = \"distance\"\nbody = \"f\"\npoint = [0, 0, 2]\nto_point = [0, 0, 5]\nleast = 1.25\nmost = 4.5\n"
+    "spring = { stiffness = 11, damping = 0.5, rest_length = 2.75 }\n"
+    "[[event]]\ntime = 0.5\nkind = \"break_joint\"\njoint = \"rod\"\n"
+    "[[event]]\ntime = 0.25\nkind = \"remove_joint\"\njoint = \"f to world\"\n";
+
+TEST(SceneReader, ends_springs_and_strengths_of_joints_arrive_as_written_and_are_written_so) {
+    const SceneDescription first = read(world + bodies_named("abcdef") + joints_with_ends_and_springs),
+                           again = read(scene_text(first));
+    const auto numbers = [](const JointSpringDescription& s) { return Triple{s.stiffness, s.damping, s.rest}; };
+    for (const SceneDescription& scene : {first, again}) {
+        ASSERT_EQ(scene.joints.size(), 6u);
+        const auto& j = scene.joints;
+        const std::array<double, 2> ranges[] = {{-0.5, 2.5}, {0, 12}, {0, 0}, {0, 0}, {5, 5}, {1.25, 4.5}},
+                                    strengths[] = {{70, 8}, {0, 0}, {0, 6.5}, {0, 0}, {9, 0}, {0, 0}};
+        const Triple springs[] = {{3, 0.25, -1.5}, {40, 0, 9}, {0, 2, 0}, {7, 1.5, 0}, {}, {11, 0.5, 2.75}};
+        for (std::size_t i = 0; i < j.size(); ++i) {
+            EXPECT_EQ((std::array{j[i].least, j[i].most}), ranges[i]) << i;
+            EXPECT_EQ((std::array{j[i].break_force, j[i].break_torque}), strengths[i]) << i;
+            EXPECT_EQ(numbers(j[i].spring), springs[i]) << i;
+        }
+        EXPECT_EQ(numbers(j[2].to_spring), (Triple{5, 0, 0.125}));
+        EXPECT_EQ((Triples{j[4].anchor, j[4].to_point}), (Triples{{3, 4, 0}, {0, 0, 0}}));
+        EXPECT_TRUE(j[4].is_rod());
+        EXPECT_EQ(scene.events[0].kind, EventKind::break_joint);
+        EXPECT_EQ(scene.events[0].joint, 4);
+        EXPECT_EQ(scene.events[1].kind, EventKind::remove_joint);
+        EXPECT_EQ(scene.events[1].joint, 5);
+    }
+    const SceneData data = build_scene(first);
+    EXPECT_EQ(std::get<HingeSpec>(data.joints[0]).limits.most, Real{2.5});
+    EXPECT_EQ(std::get<UniversalSpec>(data.joints[2]).to_spring.rest, Real{0.125});
+    const auto& rope = std::get<DistanceSpec>(data.joints[5]);
+    EXPECT_EQ(rope.to_point.z, Real{5});
+    EXPECT_EQ(rope.least, Real{1.25});
+    EXPECT_EQ(rope.spring.rest, Real{2.75});
+    EXPECT_EQ(int{data.events[0].body}, 4);
+}
+
+TEST(SceneReader, a_world_has_the_features_of_joints_that_its_scene_needs) {
+    const std::string hinge = world + bodies_named("a") +
+                              "[[joint]]\nname = \"pin\"\nkind = \"hinge\"\nbody = \"a\"\nanchor = [1, 2, 3]\n"
+                              "axis = [0, 0, 2]\n",
+                      event = "[[event]]\ntime = 0.5\njoint = \"pin\"\nkind = ";
+    // distances, springs, limits, breaks and removal
+    const auto features = [](const std::string& text) {
+        const Features f = needs(build_scene(read(text)));
+        return std::array{f.distances, f.joint_springs, f.joint_limits, f.joint_breaks, f.removal};
+    };
+    EXPECT_EQ(features(hinge), (std::array{false, false, false, false, false}));
+    EXPECT_EQ(features(hinge + "spring = { damping = 1 }\n"), (std::array{false, true, false, false, false}));
+    EXPECT_EQ(features(hinge + "limits = [0, 1]\n"), (std::array{false, false, true, false, false}));
+    EXPECT_EQ(features(hinge + "break_torque = 1\n"), (std::array{false, false, false, true, false}));
+    EXPECT_EQ(features(hinge + event + "\"break_joint\"\n"), (std::array{false, false, false, true, false}));
+    EXPECT_EQ(features(hinge + event + "\"remove_joint\"\n"), (std::array{false, false, false, false, true}));
+    EXPECT_EQ(features(world + bodies_named("a") +
+                       "[[joint]]\nkind = \"distance\"\nbody = \"a\"\npoint = [0, 0, 0]\nto_point = [0, 1, 0]\n"
+                       "most = 1.5\n"),
+              (std::array{true, false, false, false, false}));
+}
+
 TEST(SceneReader, an_anchor_that_fixed_point_does_not_hold_leaves_floating_point) {
     const auto anchored_at = [](const std::string& x) {
         return read("[range]\nposition = 32768.0\n" + world + bodies_named("a") +
