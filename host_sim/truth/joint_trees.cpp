@@ -1,6 +1,7 @@
 #include "truth/joint_trees.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "tools/raise.hpp"
@@ -57,6 +58,13 @@ Six velocity_of(const Motion& m) { return six(m.v, m.q.rotate(m.w)); }
 Vector unit(const Vector& v) { return v * (1 / norm(v)); }
 
 }  // namespace
+
+const JointDescription* without_equations(const std::vector<JointDescription>& joints) {
+    const auto found = std::find_if(joints.begin(), joints.end(), [](const JointDescription& joint) {
+        return joint.kind == JointKind::distance || joint.has_ends() || joint.may_break();
+    });
+    return found == joints.end() ? nullptr : &*found;
+}
 
 // Each joint hangs a body on one that hangs already. Where none can, a tree ties to nothing of the world: its root is
 // the body of the first joint that is left.
@@ -118,8 +126,15 @@ void JointTrees::add(std::size_t body, int parent, const JointDescription* joint
             break;
         }
         case JointKind::fixed: break;
-        default:
-            raise(std::invalid_argument("joint \"" + joint->name + "\" is of a kind whose equations are not known"));
+        case JointKind::distance:
+            for (const Vector& axis : axes) slide(axis);
+            for (const Vector& axis : axes) turn(axis);
+            break;
+        }
+        node.is_reversed = static_cast<int>(body) != joint->body;
+        if (joint->spring.acts() || joint->to_spring.acts()) {
+            node.springs.assign(node.free.size(), joint->spring);
+            if (joint->kind == JointKind::universal) node.springs[1] = joint->to_spring;
         }
     }
     speeds_ += node.free.size();
@@ -229,7 +244,8 @@ Matrix JointTrees::inertia_of(std::size_t body, const Motions& motions) const {
 // From the leaves to the roots each free direction is eliminated from the inertia that its parent feels; from the roots
 // to the leaves the rates follow.
 void JointTrees::solve(const Motions& motions, const Links& links, const std::vector<Six>& forces,
-                       const std::vector<Six>& bias, const std::vector<Six>& base, std::span<Number> along) const {
+                       const std::vector<Six>& bias, const std::vector<Six>& base, const std::vector<Number>& pushes,
+                       std::span<Number> along) const {
     struct Eliminated {
         Six felt;               // the inertia times the direction
         Number force, inertia;  // along the direction
@@ -245,7 +261,8 @@ void JointTrees::solve(const Motions& motions, const Links& links, const std::ve
         add_to(needed[i], times(inertia, bias[i]));
         for (std::size_t k = 0; k < links[i].free.size(); ++k) {
             const Six felt = times(inertia, links[i].free[k]);
-            const Eliminated now{felt, -dot(links[i].free[k], needed[i]), dot(links[i].free[k], felt)};
+            const Eliminated now{felt, pushes[nodes_[i].first_speed + k] - dot(links[i].free[k], needed[i]),
+                                 dot(links[i].free[k], felt)};
             for (std::size_t r = 0; r < 6; ++r) add_to(inertia[r], felt, -felt[r] / now.inertia);
             add_to(needed[i], felt, now.force / now.inertia);
             eliminated[nodes_[i].first_speed + k] = now;
@@ -279,7 +296,47 @@ void JointTrees::end_velocities_across(std::span<Number> state, const Motions& m
         bases.push_back(velocity_of(motion_of(node.parent, motions)));
     }
     solve(motions, links_of(state, motions), momenta, std::vector<Six>(nodes_.size()), bases,
-          state.subspan(nodes_.size() * numbers_of_place));
+          std::vector<Number>(speeds_), state.subspan(nodes_.size() * numbers_of_place));
+}
+
+std::array<Number, 3> JointTrees::coordinates_of(const Node& node, const Place& at) {
+    const Number pi = std::acos(Number(-1));
+    if (node.free.size() == 1 && !node.free[0].turns) return {reference::dot(at.travel, node.free[0].axis)};
+    if (node.free.size() == 1) {
+        const Number turn = 2 * std::atan2(reference::dot(at.turned.v, node.free[0].axis), at.turned.w);
+        return {turn > pi ? turn - 2 * pi : turn <= -pi ? turn + 2 * pi : turn};
+    }
+    if (node.free.size() == 3) {
+        const Rotation q = at.turned.w < 0 ? at.turned * Number(-1) : at.turned;
+        const Number half_sine = norm(q.v);
+        const Vector turn = q.v * (half_sine > 0 ? 2 * std::atan2(half_sine, q.w) / half_sine : 2);
+        return {turn.x, turn.y, turn.z};
+    }
+    // It turns about the axis that the parent keeps, and then about the one that turns with the body.
+    const std::size_t kept = node.free[0].is_kept_by_own ? 1 : 0;
+    const Vector &parents = node.free[kept].axis, &own = node.free[1 - kept].axis, across = cross(own, parents);
+    const Vector own_now = at.turned.rotate(own), parents_back = at.turned.rotate_back(parents);
+    std::array<Number, 3> angles{};
+    angles[kept] = std::atan2(-reference::dot(own_now, across), reference::dot(own_now, own));
+    angles[1 - kept] = std::atan2(-reference::dot(parents_back, across), reference::dot(parents_back, parents));
+    return angles;
+}
+
+std::vector<Number> JointTrees::spring_forces(std::span<const Number> state) const {
+    const auto speeds = speeds_of(state);
+    std::vector<Number> forces(speeds_);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        const Node& node = nodes_[i];
+        if (node.springs.empty()) continue;
+        const auto at = coordinates_of(node, place_of(i, state));
+        for (std::size_t k = 0; k < node.free.size(); ++k) {
+            const JointSpringDescription& spring = node.springs[k];
+            const Number rest = node.is_reversed ? -spring.rest : spring.rest;
+            forces[node.first_speed + k] =
+                -spring.stiffness * (at[k] - rest) - spring.damping * speeds[node.first_speed + k];
+        }
+    }
+    return forces;
 }
 
 void JointTrees::rate(std::span<const Number> state, const Links& links, const Motions& motions,
@@ -306,7 +363,7 @@ void JointTrees::rate(std::span<const Number> state, const Links& links, const M
         const Number place[] = {rate.w, rate.v.x, rate.v.y, rate.v.z, sliding.x, sliding.y, sliding.z};
         std::copy(std::begin(place), std::end(place), rates.subspan(i * numbers_of_place).begin());
     }
-    solve(motions, links, forces, bias, std::vector<Six>(nodes_.size()),
+    solve(motions, links, forces, bias, std::vector<Six>(nodes_.size()), spring_forces(state),
           rates.subspan(nodes_.size() * numbers_of_place));
 }
 

@@ -3,7 +3,8 @@
 // for each free direction. Rotations are quaternions, so no pose is singular. A tree that ties to nothing of the world
 // hangs on it by all six directions.
 // The accelerations follow from the forces on the bodies by the articulated-body algorithm (Featherstone, Rigid Body
-// Dynamics Algorithms, 2008, chapter 7), one free direction after the other. It shares no code with the kernel.
+// Dynamics Algorithms, 2008, chapter 7), one free direction after the other. Springs and dampers of joints are
+// generalized forces along the free directions. It shares no code with the kernel.
 #pragma once
 
 #include <array>
@@ -16,6 +17,10 @@
 #include "truth/tensor.hpp"
 
 namespace tumble::host {
+
+// The first joint of which the equations of motion are not known here: one that keeps a distance, has limits or may
+// break. JointTrees lets a distance go and takes no notice of the others. Null: there is none.
+[[nodiscard]] const JointDescription* without_equations(const std::vector<JointDescription>& joints);
 
 class JointTrees {
 public:
@@ -74,6 +79,8 @@ private:
         Rotation rest;              // of the body in the parent's axes, at the start
         std::vector<Direction> free;
         std::size_t first_speed = 0;
+        std::vector<JointSpringDescription> springs;  // of each free direction; empty: there is none
+        bool is_reversed = false;                     // the parent is the joint's `body`
     };
     static constexpr std::size_t numbers_of_place = 7;
     struct Place {
@@ -90,10 +97,15 @@ private:
     [[nodiscard]] Six bias_of(std::size_t node, std::span<const Number> state, const Link& link,
                               const Motions& motions) const;
     [[nodiscard]] Matrix inertia_of(std::size_t body, const Motions& motions) const;
+    // The angle or the travel along each free direction since the start; of three rotations the vector of the turn.
+    [[nodiscard]] static std::array<Number, 3> coordinates_of(const Node& node, const Place& at);
+    // The forces of springs and dampers along all free directions, N m or N.
+    [[nodiscard]] std::vector<Number> spring_forces(std::span<const Number> state) const;
     // The rates along all free directions that the forces give, by node, where the bases move at the rates `base` and
     // `bias` adds to what a body has of its parent.
+    // `pushes`: further forces along the free directions.
     void solve(const Motions& motions, const Links& links, const std::vector<Six>& forces, const std::vector<Six>& bias,
-               const std::vector<Six>& base, std::span<Number> along) const;
+               const std::vector<Six>& base, const std::vector<Number>& pushes, std::span<Number> along) const;
 
     std::vector<Body> bodies_;
     std::vector<Node> nodes_;   // a parent before its children

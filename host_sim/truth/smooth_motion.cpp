@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "tools/raise.hpp"
 #include "truth/trajectory.hpp"
@@ -255,6 +256,9 @@ void SmoothMotion::add_loads(const std::vector<Motion>& motions, std::int64_t st
 // Newton's and Euler's equations of all bodies between two changes of the timed loads. The state has the bodies that
 // move by themselves, then the joints.
 void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
+    if (const JointDescription* const joint = without_equations(scene_.joints); joint != nullptr)
+        raise(std::invalid_argument("joint \"" + joint->name +
+                                    "\" keeps a distance, has limits or may break: its equations are not known"));
     std::vector<Number> state;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         if (!bodies_[i].moves()) continue;

@@ -39,12 +39,13 @@ SampledRun sampled(Simulation& simulation, const SampledScene& scene, int step) 
 }
 
 // The motion without contacts; empty when a body comes so near a plane or another body that it may touch, or where a
-// barrier acts at any distance.
+// barrier acts at any distance, or a joint has no equations.
 std::optional<Samples> smooth_samples(const SampledScene& scene, reference::Number most_error) {
     // No longer than the scene's own step, so that a body cannot dive through what it touches between two looks.
     const int number = std::min(0, scene.longest());
     const SceneDescription description = scene.with_step(number);
     const reference::Number length = long_seconds(description.step), band = description.contact.tolerance;
+    if (without_equations(description.joints) != nullptr) return std::nullopt;
     SmoothMotion motion(description, shapes_meet, {.most_error = most_error});
     if (motion.can_touch() && description.contact.response == ContactResponse::spring &&
         description.contact.barrier > 0)
@@ -92,6 +93,10 @@ void require_no_events(const SceneDescription& scene) {
         throw std::invalid_argument(scene.path +
                                     ": event: other steps and methods have no reference for the [[event]] of a body, "
                                     "expected [[impulse]] and [[force]] in its place");
+    if (std::any_of(scene.events.begin(), scene.events.end(), [](const auto& event) { return has_joint(event.kind); }))
+        throw std::invalid_argument(scene.path +
+                                    ": event: other steps and methods have no reference for the [[event]] of a joint, "
+                                    "expected none");
 }
 
 Method method_of(const Simulation& simulation) {

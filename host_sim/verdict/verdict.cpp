@@ -98,7 +98,9 @@ public:
     }
     [[nodiscard]] double cost_s() const { return cost_s_; }
     // The references are the equations of motion, and no runs.
-    [[nodiscard]] bool is_solved() const { return !scene_.joints.empty() && !can_touch_; }
+    [[nodiscard]] bool is_solved() const {
+        return !scene_.joints.empty() && !can_touch_ && without_equations(scene_.joints) == nullptr;
+    }
     // Of a run with the scene's step halved so often.
     [[nodiscard]] double seconds_of(int halvings) const { return estimated_seconds(scene_, halvings, load_); }
 

@@ -575,6 +575,121 @@ TEST(JointReference, kernel_converges_to_trees_of_every_kind_of_joint) {
     }
 }
 
+// I a'' = -k (a - rest) - c a' in closed form, where it swings: from a = 0 at the speed a'.
+Number swung(Number inertia, const JointSpringDescription& spring, Number speed, Number t) {
+    const Number decay = spring.damping / (2 * inertia), rate = std::sqrt(spring.stiffness / inertia - decay * decay),
+                 rest = spring.rest;
+    return rest +
+           std::exp(-decay * t) * ((speed - decay * rest) / rate * std::sin(rate * t) - rest * std::cos(rate * t));
+}
+
+// A cube on its centre, so that it turns about one axis alone. Reversed, the joint's `body` is the one that stays.
+TEST(JointReference, spring_and_damper_of_a_joint_swing_in_closed_form) {
+    constexpr double mass = 2.5, edge = 1.25, speed = 0.75, time = 1.75;
+    const struct {
+        JointKind kind;
+        bool is_second;  // about to_axis
+        JointSpringDescription spring;
+    } cases[] = {
+        {JointKind::hinge, false, {3, 0.25, 0.5}},     {JointKind::hinge, false, {1.5, 0, -1.25}},
+        {JointKind::slider, false, {40, 3, 0.75}},     {JointKind::slider, false, {12, 0, -2}},
+        {JointKind::ball, false, {2, 0.375, 0}},       {JointKind::ball, false, {5, 0, 0}},
+        {JointKind::universal, false, {4, 0.5, -0.5}}, {JointKind::universal, true, {2.5, 0.125, 1}},
+    };
+    for (const auto& c : cases)
+        for (const bool is_reversed : {false, true})
+            for (const Frame3& frame : frames) {
+                SCOPED_TRACE(static_cast<int>(c.kind));
+                const Vector at = frame.point({1, 2, 3}), axis = frame.direction({0, 0.6L, 0.8L}),
+                             to_axis = frame.direction({0, -0.8L, 0.6L}), about = c.is_second ? to_axis : axis;
+                const bool slides = c.kind == JointKind::slider;
+                const Number sign = is_reversed ? -1 : 1;
+                Built built;
+                const int base = built.add({1, 1, 1}, 1, {});
+                built.scene.bodies.back().fixed = true;
+                const int body =
+                    built.add({edge, edge, edge}, mass, at, frame.turn, slides ? about * (sign * speed) : Vector{},
+                              slides ? Vector{} : about * (sign * speed));
+                built.join(c.kind, is_reversed ? base : body, is_reversed ? body : base, at, axis, to_axis);
+                (c.is_second ? built.scene.joints[0].to_spring : built.scene.joints[0].spring) = c.spring;
+                const Motion got = built.at(time)[static_cast<std::size_t>(body)];
+                const Number inertia = slides ? mass : mass * edge * edge / 6;
+                const Vector moved = about * (sign * swung(inertia, c.spring, speed, time));
+                constexpr Number rounded = 1e-13L;  // of axes in double precision
+                expect_near(got.x, slides ? at + moved : at, rounded);
+                expect_near(got.q, slides ? frame.turn : exponential(moved) * frame.turn, rounded);
+            }
+}
+
+// Both axes of a universal joint at once, a ball that turns about a moving axis, and a slider between them.
+TEST(JointReference, springs_of_joints_keep_momentum_and_lose_no_energy) {
+    Built built;
+    const int a = built.add({1, 0.5, 0.25}, 2, {}), b = built.add({0.5, 0.25, 1}, 1, {1, 0, 0}),
+              c = built.add({0.25, 1, 0.5}, 3, {2, 0, 0}, {}, {0, 0.5, 0.25}),
+              d = built.add({1, 1, 0.5}, 1.5, {2, 1, 0}, {}, {}, {1, 0, -1});
+    built.join(JointKind::universal, b, a, {0.5L, 0, 0}, {0, 1, 0}, {0, 0, 1});
+    built.join(JointKind::ball, b, c, {1.5L, 0, 0});
+    built.join(JointKind::slider, c, d, {2, 0.5L, 0}, {0, 0.6L, 0.8L});
+    auto& joints = built.scene.joints;
+    joints[0].spring = {3, 0, 0.25};
+    joints[0].to_spring = {2, 0, -0.5};
+    joints[1].spring = {4, 0, 0};
+    joints[2].spring = {30, 0, 0.125};
+    const auto energy = [&](const std::vector<Motion>& now) {
+        Number sum = 0;
+        for (std::size_t i = 0; i < now.size(); ++i) {
+            const auto& [x, y, z] = built.scene.bodies[i].shape.size;
+            const Number mass = *built.scene.bodies[i].mass;
+            const Vector &v = now[i].v, &w = now[i].w;
+            sum +=
+                mass * dot(v, v) / 2 +
+                mass / 24 * ((y * y + z * z) * w.x * w.x + (x * x + z * z) * w.y * w.y + (x * x + y * y) * w.z * w.z);
+        }
+        const auto between = [&](int one, int other) {
+            return now[static_cast<std::size_t>(other)].q.conjugate() * now[static_cast<std::size_t>(one)].q;
+        };
+        const auto stored = [](const JointSpringDescription& spring, Number at) {
+            return spring.stiffness * (at - spring.rest) * (at - spring.rest) / 2;
+        };
+        // R = turn about z by t, then about the body's own y by s: its second column is (-sin t, cos t, 0), its third
+        // row (-sin s, 0, cos s).
+        const Rotation turned = between(b, a);
+        const Vector y = turned.rotate({0, 1, 0}), z = turned.rotate_back({0, 0, 1});
+        const Motion &of_c = now[static_cast<std::size_t>(c)], &of_d = now[static_cast<std::size_t>(d)];
+        const Vector reach = of_c.x + of_c.q.rotate({0, 0.5L, 0}) - of_d.x - of_d.q.rotate({0, -0.5L, 0});
+        return sum + stored(joints[0].spring, std::atan2(-z.x, z.z)) +
+               stored(joints[0].to_spring, std::atan2(-y.x, y.y)) +
+               stored(joints[1].spring, angle_between(between(b, c), Rotation{})) +
+               stored(joints[2].spring, dot(reach, of_d.q.rotate({0, 0.6L, 0.8L})));
+    };
+    const auto momentum = [&](const std::vector<Motion>& now) {
+        Vector sum;
+        for (std::size_t i = 0; i < now.size(); ++i) sum = sum + now[i].v * *built.scene.bodies[i].mass;
+        return sum;
+    };
+    // What the joints do not allow ends at the start.
+    const auto start = built.at(1.0 / 64);
+    for (const double time : {0.5, 1.25, 3.0}) {
+        const auto now = built.at(time);
+        EXPECT_NEAR(static_cast<double>(energy(now)), static_cast<double>(energy(start)), 1e-12) << time;
+        expect_near(momentum(now), momentum(start), 1e-13L);
+    }
+}
+
+TEST(JointReference, ropes_limits_and_joints_that_may_break_have_no_equations) {
+    for (int which = 0; which < 3; ++which) {
+        Built built;
+        built.add({1, 1, 1}, 1, {});
+        built.join(which == 0 ? JointKind::distance : JointKind::hinge, 0, -1, {});
+        JointDescription& joint = built.scene.joints[0];
+        if (which < 2) joint.most = 1;
+        else joint.break_torque = 5;
+        EXPECT_EQ(without_equations(built.scene.joints), &joint);
+        EXPECT_EQ(built.at(0).size(), 1u);
+        EXPECT_THROW((void)built.at(1), std::invalid_argument);
+    }
+}
+
 TEST(JointReference, bodies_without_a_common_layer_do_not_touch) {
     const auto touches = [](const SceneDescription& scene) {
         const SmoothMotion motion(scene, [](ShapeKind, ShapeKind) { return true; });
