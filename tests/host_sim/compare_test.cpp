@@ -57,6 +57,21 @@ TEST(Compare, joints_have_the_same_bits_on_a_core) {
                    0, "cortex-m3 agrees with the host: 33 states");
 }
 
+TEST(Compare, ropes_limits_springs_and_breaks_have_the_same_bits_on_a_core) {
+    expect_outcome(tumble({"compare", shipped("joints/rope"), "--core", "cortex-m3", "--every", "64"}), 0,
+                   "cortex-m3 agrees with the host: 81 states");
+    expect_outcome(tumble({"compare", shipped("joints/door"), "--core", "cortex-m3", "--every", "16"}), 0,
+                   "cortex-m3 agrees with the host: 65 states");
+    expect_outcome(
+        tumble({"compare",
+                written("springs.toml", scene_of_springs + "[[event]]\ntime = 1\nkind = \"break_joint\"\n"
+                                                           "joint = \"arm to world\"\n[[event]]\ntime = 1.5\n"
+                                                           "kind = \"remove_joint\"\njoint = \"drawer to "
+                                                           "world\"\n"),
+                "--core", "cortex-m3", "--every", "64"}),
+        0, "cortex-m3 agrees with the host: 33 states");
+}
+
 TEST(CompareDeep, every_kind_of_joint_has_the_same_bits_on_a_core) {
     for (const char* scene : {"gyroscope", "chain", "arm"})
         expect_outcome(tumble({"compare", shipped("joints/" + std::string(scene)), "--core", "cortex-m3", "--every",

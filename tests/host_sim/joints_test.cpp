@@ -36,6 +36,8 @@ TEST(Joints, json_tells_what_each_kind_has_and_how_far_it_is_open) {
         EXPECT_EQ(joint.at("force_n").size(), 3u);
         EXPECT_EQ(joint.at("torque_n_m").size(), 3u);
         EXPECT_GE(joint.at("corrections").get<int>(), 0);
+        EXPECT_TRUE(joint.at("at_limit").is_null());
+        EXPECT_EQ(joint.at("broken"), false);
     }
     EXPECT_EQ(run.at("status"), Json::array());
     EXPECT_EQ(run.at("verdict").at("kind"), "right");
@@ -95,11 +97,11 @@ TEST(Joints, rows_of_joints_are_a_file_of_their_own) {
     ASSERT_EQ(tumble({"run", scene, "--joints", joints, "--trajectory", trajectory, "--every", "256"}).status, 0);
     const auto rows = lines_of(contents(joints));
     ASSERT_EQ(rows.size(), 1u + 3 * 5);
-    EXPECT_EQ(rows[0], "time_s,joint,angle,speed,to_angle,to_speed,travel,travel_speed,fx,fy,fz,tx,ty,tz,corrections,"
-                       "gap,gap_angle");
+    EXPECT_EQ(rows[0], "time_s,joint,angle,speed,to_angle,to_speed,travel,travel_speed,fx,fy,fz,tx,ty,tz,at_limit,"
+                       "broken,corrections,gap,gap_angle");
     EXPECT_TRUE(rows[6].starts_with("1,a to world,"));
     EXPECT_TRUE(rows[7].starts_with("1,b to a,,,,,,,"));
-    for (const std::string& row : rows) EXPECT_EQ(std::count(row.begin(), row.end(), ','), 16) << row;
+    for (const std::string& row : rows) EXPECT_EQ(std::count(row.begin(), row.end(), ','), 18) << row;
     const auto states = lines_of(contents(trajectory));
     EXPECT_EQ(states.size(), 1u + 3 * 5);
     EXPECT_EQ(states[0], "time_s,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz");
@@ -182,6 +184,129 @@ TEST(Joints, the_step_that_a_warning_names_is_one_that_follows) {
     for (const char* shipped_scene : {"pendulum", "double_pendulum", "arm"})
         EXPECT_FALSE(
             has(text_of({"run", shipped("joints/" + std::string(shipped_scene)), "--duration", "0.1"}), "warning"));
+}
+
+// Of rope.toml, with the time of a change known to a step: at 1.2 s it is slack for 0.518357 s, and the weight on a
+// parabola.
+TEST(Joints, a_rope_goes_slack_and_taut_where_its_weight_leaves_the_circle_and_meets_it_again) {
+    const auto rope_at = [](const std::string& time) {
+        return json_of({"run", shipped("joints/rope"), "--duration", time, "--check", "off"});
+    };
+    const auto at_limit = [&](const std::string& time) { return joint_named(rope_at(time), "rope").at("at_limit"); };
+    EXPECT_EQ(at_limit("0.67"), 1);
+    EXPECT_EQ(at_limit("0.69"), 0);
+    EXPECT_EQ(at_limit("1.78"), 0);
+    EXPECT_EQ(at_limit("1.80"), 1);
+    const Json slack = rope_at("1.2"), &weight = slack.at("bodies")[0];
+    const double t = 1.2 - 0.6816428526523886, x = std::sqrt(3.0) - 1.5660459763365826 * t,
+                 y = 1 + 2.7124711998 * t - 9.81 / 2 * t * t;
+    EXPECT_NEAR(weight.at("position_m")[0].get<double>(), x, 0.01);
+    EXPECT_NEAR(weight.at("position_m")[1].get<double>(), y, 0.01);
+    const Json& rope = joint_named(slack, "rope");
+    EXPECT_NEAR(rope.at("travel_m").get<double>(), std::hypot(x, y), 0.01);
+    EXPECT_EQ(rope.at("gap_m"), 0);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(rope.at("force_n")[i], 0);
+    EXPECT_NEAR(slack.at("energy_end_j").get<double>(), 44.145, 0.1);
+    const Json end = rope_at("5.0");
+    EXPECT_EQ(end.at("status"), Json::array());
+    EXPECT_NEAR(end.at("energy_end_j").get<double>(), -55.18125, 0.1);
+    EXPECT_NEAR(joint_named(end, "rope").at("travel_m").get<double>(), 2, largest_gap);
+}
+
+TEST(Joints, a_door_swings_between_its_limits_as_its_spring_and_damper_say) {
+    const auto door_at = [](const std::string& time) {
+        return json_of({"run", shipped("joints/door"), "--duration", time, "--check", "off"});
+    };
+    const Json stop = joint_named(door_at("0.34375"), "hinge"), back = joint_named(door_at("2"), "hinge");
+    EXPECT_EQ(stop.at("at_limit"), 1);
+    EXPECT_NEAR(stop.at("angle_rad").get<double>(), 1.5, 1e-3);
+    EXPECT_EQ(back.at("at_limit"), 0);
+    EXPECT_NEAR(back.at("angle_rad").get<double>(), 0.42585386407648623, 3e-3);
+    const Json end = door_at("4");
+    const Json& shut = joint_named(end, "hinge");
+    EXPECT_EQ(shut.at("at_limit"), -1);
+    EXPECT_NEAR(shut.at("angle_rad").get<double>(), 0, 1e-3);
+    EXPECT_NEAR(shut.at("torque_n_m")[1].get<double>(), 1.8, 0.02);
+    EXPECT_NEAR(shut.at("force_n")[1].get<double>(), 196.2, 0.02);
+    EXPECT_NEAR(end.at("energy_end_j").get<double>(), 0.27, 0.01);
+    EXPECT_EQ(end.at("status"), Json::array());
+    expect_outcome(tumble({"run", shipped("joints/door"), "--check", "off"}), 0, "hinge\n", "  at its least\n");
+}
+
+// The energy counts what springs store.
+TEST(Joints, springs_of_every_kind_keep_the_energy_and_their_motion_is_right) {
+    const Json run = json_of({"run", written("springs.toml", scene_of_springs), "--check", "off"});
+    EXPECT_EQ(run.at("status"), Json::array());
+    EXPECT_LT(run.at("energy_max_relative_drift").get<double>(), 2e-4);
+    EXPECT_GT(std::abs(joint_named(run, "door to world").at("angle_rad").get<double>()), 1e-3);
+    // That of the distance is of a kind without equations.
+    const std::string solved = scene_of_springs.substr(0, scene_of_springs.rfind("[[joint]]"));
+    const Json verdict = json_of({"run", written("solved.toml", solved)}).at("verdict");
+    EXPECT_EQ(verdict.at("kind"), "right");
+    EXPECT_EQ(verdict.at("shared_rules"), Json::array());
+}
+
+// A weight of 2.5 kg is heavier than what one of its two threads bears.
+const std::string weight_on_threads = world_of("-9.81", "1/256", "1.0") + smallest_range +
+                                      body_of("weight", "sphere = 0.1", "[0, -1, 0]", "2.5") +
+                                      body_of("feather", "sphere = 0.1", "[5, -1, 0]", "0.25") +
+                                      joint_of("ball", "weight", "", "[0, 0, 0]", "break_force = 20\n") +
+                                      joint_of("ball", "feather", "", "[5, 0, 0]", "break_force = 20\n");
+
+TEST(Joints, a_joint_breaks_under_too_large_a_force_and_its_body_falls) {
+    const std::string scene = written("threads.toml", weight_on_threads), rows = temporary("joints.csv");
+    const Json run = json_of({"run", scene, "--joints", rows, "--check", "off"});
+    const Json &broken = joint_named(run, "weight to world"), &whole = joint_named(run, "feather to world");
+    EXPECT_EQ(broken.at("broken"), true);
+    EXPECT_EQ(whole.at("broken"), false);
+    EXPECT_TRUE(broken.at("gap_m").is_null());
+    EXPECT_EQ(broken.at("force_n"), (Json{0.0, 0.0, 0.0}));
+    EXPECT_NEAR(whole.at("force_n")[1].get<double>(), 0.25 * 9.81, 1e-4);
+    // It goes at the start of the second step.
+    const double t = 255.0 / 256;
+    EXPECT_NEAR(run.at("bodies")[0].at("position_m")[1].get<double>(), -1 - 9.81 / 2 * t * t, 1e-6);
+    EXPECT_TRUE(has(contents(rows), ",1,0,,\n"));
+    expect_outcome(tumble({"run", scene, "--check", "off"}), 0, "weight to world, broken\n");
+}
+
+TEST(Joints, a_recording_of_a_run_in_which_joints_break_and_go_replays_to_the_same_state) {
+    const std::string scene =
+                          written("threads.toml", weight_on_threads + body_of("third", "sphere = 0.1", "[9, -1, 0]") +
+                                                      joint_of("ball", "third", "", "[9, 0, 0]")),
+                      record = temporary("recorded.toml");
+    std::string states;
+    // A pull of 25 N breaks the thread of the feather.
+    Process process({TUMBLE_COMMAND, "run", scene, "--live", "--record", record},
+                    "{\"step\": 64}\n{\"kind\": \"step_force\", \"body\": \"feather\", \"value\": [0, -25, 0]}\n"
+                    "{\"step\": 64}\n{\"kind\": \"impulse\", \"body\": \"third\", \"value\": [0.5, 0, 0]}\n"
+                    "{\"kind\": \"break_joint\", \"joint\": \"third to world\"}\n{\"step\": 32}\n"
+                    "{\"kind\": \"remove_joint\", \"joint\": \"third to world\"}\n{\"step\": 16}\n"
+                    "{\"kind\": \"remove_joint\", \"joint\": \"third to world\"}\n{\"step\": 80}\n");
+    ASSERT_EQ(process.wait(&states), 0);
+    const Json last = Json::parse(lines_of(states).back());
+    for (const Json& joint : last.at("joints")) EXPECT_EQ(joint.at("broken"), true) << joint;
+    EXPECT_NEAR(last.at("bodies")[2].at("velocity_m_s")[1].get<double>(), -9.81 / 2, 1e-6);
+    const Json again = json_of({"run", record});
+    EXPECT_EQ(again.at("state_hash"), last.at("state_hash"));
+    EXPECT_EQ(again.at("joints"), last.at("joints"));
+    EXPECT_TRUE(has(contents(record), "kind = \"break_joint\"\njoint = \"third to world\"\n")) << contents(record);
+    EXPECT_EQ(again.at("verdict").at("kind"), "unchecked");
+    expect_outcome(tumble({"run", record}), 0, "have no reference for the [[event]] of a body");
+}
+
+TEST(Joints, a_live_event_of_an_unknown_joint_is_refused) {
+    std::string text;
+    Process process({TUMBLE_COMMAND, "run", shipped("joints/pendulum"), "--live"},
+                    "{\"kind\": \"break_joint\", \"joint\": \"pivots\"}\n", Process::Errors::merge);
+    EXPECT_EQ(process.wait(&text), 2);
+    expect_parts(text, {"joint: got \"pivots\" (did you mean \"pivot\"?), expected the name of a joint: \"pivot\""});
+}
+
+// Their references are finer runs.
+TEST(DeepJoints, a_verdict_names_the_rules_of_joints_that_have_no_equations) {
+    for (const char* scene : {"rope", "door"})
+        EXPECT_EQ(json_of({"run", shipped("joints/" + std::string(scene))}).at("verdict").at("shared_rules"),
+                  Json{"joints"});
 }
 
 // Bodies in no joint keep their contacts, with the bits that they have without the joints.

@@ -35,6 +35,14 @@ const std::map<std::string, Keys> least{
     {"body", {{"name", "\"brick\""}, {"shape", "{ box = [1.0, 1.0, 1.0] }"}, {"mass", "1.0"}}},
     {"body.shape", {{"box", "[1.0, 1.0, 1.0]"}}},
     {"spring", {{"body", "\"brick\""}, {"to", "[0.0, 1.0, 0.0]"}, {"stiffness", "1.0"}}},
+    {"joint",
+     {{"kind", "\"universal\""},
+      {"body", "\"brick\""},
+      {"anchor", "[0.0, 1.0, 0.0]"},
+      {"axis", "[1.0, 0.0, 0.0]"},
+      {"to_axis", "[0.0, 1.0, 0.0]"}}},
+    {"joint.spring", {{"stiffness", "1.0"}}},
+    {"joint.to_spring", {{"stiffness", "1.0"}}},
     {"impulse", {{"time", "0.5"}, {"body", "\"brick\""}, {"impulse", "[1.0, 0.0, 0.0]"}}},
     {"force", {{"body", "\"brick\""}, {"until", "1.0"}, {"force", "[1.0, 0.0, 0.0]"}}},
     {"expect",
@@ -52,8 +60,8 @@ std::string inline_table(const Keys& keys) {
     return "{ " + text + " }";
 }
 bool is_list(const std::string& table) {
-    return table == "plane" || table == "body" || table == "spring" || table == "impulse" || table == "force" ||
-           table == "event";
+    return table == "plane" || table == "body" || table == "spring" || table == "joint" || table == "impulse" ||
+           table == "force" || table == "event";
 }
 
 // A scene whose table of that name has these keys and no others; of the top level those whose value is not empty.
