@@ -18,7 +18,7 @@ enum class SharedRule {
     edges,     // a body leaves a box over its edge
     friction,  // Coulomb's law for the contact points of a pair
     sleep,     // a body is held where it is at rest and its loads cancel to a thousandth
-    joints,    // joints, where the references are runs: beside bodies that touch, with limits or distances, and breaking
+    joints,  // joints, where the references are runs: beside bodies that touch, with limits or distances, and breaking
 };
 // "friction"
 [[nodiscard]] const char* name_of(SharedRule rule);
