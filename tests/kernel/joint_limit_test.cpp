@@ -221,5 +221,32 @@ TYPED_TEST(Limits, a_snapshot_knows_which_joints_are_at_their_limits) {
     EXPECT_EQ(saved.hash(), restored.hash());
 }
 
+// A slider that is out by metres is as long where it is held as where it slides.
+TYPED_TEST(Limits, a_world_goes_on_from_a_snapshot_of_a_slider_at_its_limit) {
+    for (const double most : {0.25, 1.0, 8.0}) {
+        const auto make = [&] {
+            auto world = this->falling();
+            (void)world.add(this->at(box(1, {0.3, 0.3, 0.3}), {0.1, 0, 0}));
+            (void)world.add(this->at(box(1, {0.3, 0.3, 0.3}), {0.1, -0.4, 0}));
+            (void)world.add(HingeSpec{.body = 0, .anchor = {0, 0.05, 0}});
+            (void)world.add(SliderSpec{
+                .body = 1, .to_body = 0, .anchor = {0.1, -0.2, 0}, .axis = {0, -1, 0}, .limits = {-0.1, most}});
+            return world;
+        };
+        auto world = make(), other = make();
+        this->run(world, 900);
+        EXPECT_EQ(this->joint(world, 1).at_limit, 1);
+        std::vector<std::uint8_t> bytes(4096);
+        const int size = static_cast<int>(world.save(bytes.data(), static_cast<int>(bytes.size())));
+        (void)other.restore(bytes.data(), size);
+        for (int step = 0; step < 300; ++step) {
+            this->run(world, 1);
+            this->run(other, 1);
+            ASSERT_EQ(world.hash(), other.hash()) << most << ", " << step;
+        }
+        EXPECT_TRUE(other.status().ok());
+    }
+}
+
 }  // namespace
 }  // namespace tumble::test::joint_limits

@@ -17,7 +17,7 @@ enum class Issue : std::uint8_t {
     // impacts than it resolves, and left out a bounce faster than loads change a speed in a step: set
     // restitution_threshold. Or the forces between touching bodies were not found, so that one sinks into another, as
     // below a body that is 1000 times as heavy: make the masses more equal. Or these forces leave a face turning, so
-    // that a tall stack leans and walks off sideways: take a smaller step. Or joints did not close in an eighth of a
+    // that a tall stack leans and walks off sideways: take a smaller step. Or joints did not close in a 32nd of a
     // step, which was projected and lost energy: take a smaller step. The state is usable but less accurate.
     step_bound_hit = 2,
     // More pairs near each other than the scene has room for; some bodies pass through others. Raise near_pairs.
@@ -26,10 +26,8 @@ enum class Issue : std::uint8_t {
     // the scene, or ask World::fault_of().
     world_full = 8,
     // The step is too long and adds energy: for a spring, a damper or drag when it was added, for a spring of a joint
-    // in
-    // the next step, for contacts by springs, or for two bodies that attract each other. Or a link swings under the
-    // force of its joint faster than an eighth of
-    // the step follows. Take a smaller step; for contacts by springs at most World::largest_safe_step().
+    // in the next step, for contacts by springs, or for two bodies that attract each other. Or a link swings under the
+    // force of its joint faster than a 32nd of the step follows. Take a smaller step; for contacts by springs at most World::largest_safe_step().
     step_too_long = 16,
     // A step had more impacts or searches than ContactSpec allows, or sweeps without an end: allow more. What was left
     // over is resolved at the start of the next step; bodies overlap until then. Or a bounded step of many bodies ended

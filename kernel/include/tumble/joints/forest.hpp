@@ -261,6 +261,10 @@ public:
             node.slides = end == 0 ? JointKinds::slides[kind] : std::int8_t{0};
         }
     }
+    // False of a node whose anchors stay at one point.
+    [[nodiscard]] bool may_slide(const Node& node) const {
+        return node.joint != Node::no_joint && JointKinds::slides[record_[node.joint].kind] > 0;
+    }
     // The node that hangs on its parent by this joint.
     [[nodiscard]] int node_of(int joint) const {
         int i = 0;

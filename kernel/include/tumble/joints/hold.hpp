@@ -107,13 +107,16 @@ private:
     // Takes a part. Where it has to be shorter the group is where the part begins, and the result is false.
     template <class Fly, class SpinChanged>
     [[nodiscard]] bool is_taken(const Group& group, Fly& fly, SpinChanged& spin_changed) {
-        if (!is_moved(group, fly, spin_changed)) [[unlikely]] {
+        const bool moved = is_moved(group, fly, spin_changed);
+        if (!moved) [[unlikely]] {
             if (halvings_ < most_halvings) return false;
             project(fly);
         }
         int wanted = 0;
         each([&](JointTreeState& tree) {
             end(tree, spin_changed);
+            if (!moved) [[unlikely]]
+                scale_kicks(tree, 0, 1);  // it flew without joints, so the kick at its end is a whole one
             if (tree.halvings > wanted) wanted = tree.halvings;
         });
         if (wanted <= halvings_) [[likely]]

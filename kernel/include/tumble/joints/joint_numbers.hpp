@@ -298,11 +298,11 @@ requires(N::fixed_point) struct JointNumbers<N> {
         return {static_cast<std::int32_t>(lowered(gap, bits + log2 - Unit::fraction_bits))};
     }
     // A joint is closed where no component of its gap is larger: three units of the largest arm, which is what the
-    // rounding of axes and of arms leaves of a gap, times 2^roundings. Arms of up to 2 m count as 1 m. Without carry it
-    // is the rounding of two places.
+    // rounding of axes and of arms leaves of a gap, times 2^roundings. Arms of less than 1 m count as 1 m. Without
+    // carry it is the rounding of two places.
     [[nodiscard]] TUMBLE_INLINE static Unit enough(bool, int log2, int roundings) {
         constexpr int of_arms = gap_bits - Unit::fraction_bits, of_places = gap_bits - N::Position::fraction_bits;
-        int up = (log2 > 1 ? log2 - 1 : 0) + roundings + (of_arms > 0 ? of_arms : 0);
+        int up = (log2 > 0 ? log2 : 0) + roundings + (of_arms > 0 ? of_arms : 0);
         if (!N::carry && of_places > up) up = of_places;
         return {std::int32_t{3} << (up > 28 ? 28 : up)};
     }

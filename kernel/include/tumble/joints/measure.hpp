@@ -65,7 +65,8 @@ public:
         bool slides = false;
         for (int i = tree.first; i < tree.last; ++i) {
             Node& node = forest_.nodes()[i];
-            if (node.parent >= 0 && node.slides > 0) {
+            // Held at a limit a slider has no slide, and is as long as before.
+            if (node.parent >= 0 && forest_.may_slide(node)) {
                 set_span(node, end[i], end[node.parent]);
                 slides = true;
             }
