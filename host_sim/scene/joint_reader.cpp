@@ -164,10 +164,11 @@ void read_limits(Table& table, JointDescription& joint) {
     if (array == nullptr || array->size() != 2) value->refuse(wanted);
     std::array<double, 2> limits{};
     convert(*value, limits, Quantity{Quantity::any, turns ? "rad" : "m", "least, most"});
-    if (limits[0] > 0 || limits[1] < 0) value->refuse(wanted);
-    if (limits[0] == limits[1]) value->refuse(wanted + "; a joint that does not move is a fixed one");
+    const std::string got = "got [" + shown(limits[0]) + ", " + shown(limits[1]) + "]";
+    if (limits[0] > 0 || limits[1] < 0) value->fail(got, wanted);
+    if (limits[0] == limits[1]) value->fail(got, wanted + "; a joint that does not move is a fixed one");
     if (turns && (limits[0] < -most_angle || limits[1] > most_angle))
-        value->refuse(wanted + ", each within " + shown(most_angle) + " rad");
+        value->fail(got, wanted + ", each within " + shown(most_angle) + " rad");
     joint.least = limits[0];
     joint.most = limits[1];
 }
