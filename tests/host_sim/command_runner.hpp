@@ -176,13 +176,14 @@ inline const std::string scene_of_every_joint =
            "\n" + range + "\n";
 }
 
-// Bodies of 2 s, each on a joint of its own: with a spring about each axis and along each line, and no damper.
+// Bodies of 2 s, each on a joint of its own: with a spring about each axis and along each line, and no damper. The
+// distance is the last.
 inline const std::string scene_of_springs =
     world_of("-9.81", "1/1024", "2.0") + smallest_range + body_of("door", "box = [1, 2, 0.1]", "[0.5, 0, 0]", "2.5") +
     "velocity = [0, 0, -1]\nangular_velocity = [0, 2, 0]\n" + body_of("arm", "box = [1, 0.2, 0.1]", "[5.5, 0, 0]") +
     body_of("cross", "box = [0.5, 0.25, 0.75]", "[10, 0.25, 0.125]", "1.5") +
     body_of("drawer", "box = [0.5, 0.25, 0.75]", "[15, 0, 0]", "4.0") +
-    body_of("weight", "sphere = 0.2", "[20, -1, 0]") +
+    body_of("weight", "sphere = 0.2", "[20, -1, 0]") + "layers = 0\n" +
     joint_of("hinge", "door", "", "[0, 0, 0]", "axis = [0, 1, 0]\nspring = { stiffness = 12, angle = -0.75 }\n") +
     joint_of("ball", "arm", "", "[5, 0, 0]", "spring = { stiffness = 9 }\n") +
     joint_of("universal", "cross", "", "[10, 0, 0]",
