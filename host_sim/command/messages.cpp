@@ -75,8 +75,13 @@ std::string strong_loads(const SceneDescription& scene) {
     const auto has = [&](double SpringDescription::*number) {
         return std::any_of(scene.springs.begin(), scene.springs.end(), [&](const auto& s) { return s.*number > 0; });
     };
-    if (has(&SpringDescription::stiffness)) loads.emplace_back("a spring");
-    if (has(&SpringDescription::damping)) loads.emplace_back("a damper");
+    const auto joint_has = [&](double JointSpringDescription::*number) {
+        return std::any_of(scene.joints.begin(), scene.joints.end(),
+                           [&](const auto& j) { return j.spring.*number > 0 || j.to_spring.*number > 0; });
+    };
+    if (has(&SpringDescription::stiffness) || joint_has(&JointSpringDescription::stiffness))
+        loads.emplace_back("a spring");
+    if (has(&SpringDescription::damping) || joint_has(&JointSpringDescription::damping)) loads.emplace_back("a damper");
     // The kernel does not judge a body's own drag.
     if (scene.linear_drag > 0 || scene.angular_drag > 0) loads.emplace_back("drag");
     if (scene.gravitation > 0) loads.emplace_back("gravitation");
