@@ -57,18 +57,21 @@ TEST(Compare, joints_have_the_same_bits_on_a_core) {
                    0, "cortex-m3 agrees with the host: 33 states");
 }
 
+// Without the check, whose references are worlds of their own.
 TEST(Compare, ropes_limits_springs_and_breaks_have_the_same_bits_on_a_core) {
-    expect_outcome(tumble({"compare", shipped("joints/rope"), "--core", "cortex-m3", "--every", "64"}), 0,
-                   "cortex-m3 agrees with the host: 81 states");
-    expect_outcome(tumble({"compare", shipped("joints/door"), "--core", "cortex-m3", "--every", "16"}), 0,
-                   "cortex-m3 agrees with the host: 65 states");
+    expect_outcome(
+        tumble({"compare", shipped("joints/rope"), "--core", "cortex-m3", "--every", "64", "--check", "off"}), 0,
+        "cortex-m3 agrees with the host: 81 states");
+    expect_outcome(
+        tumble({"compare", shipped("joints/door"), "--core", "cortex-m3", "--every", "16", "--check", "off"}), 0,
+        "cortex-m3 agrees with the host: 65 states");
     expect_outcome(
         tumble({"compare",
                 written("springs.toml", scene_of_springs + "[[event]]\ntime = 1\nkind = \"break_joint\"\n"
                                                            "joint = \"arm to world\"\n[[event]]\ntime = 1.5\n"
                                                            "kind = \"remove_joint\"\njoint = \"drawer to "
                                                            "world\"\n"),
-                "--core", "cortex-m3", "--every", "64"}),
+                "--core", "cortex-m3", "--every", "64", "--check", "off"}),
         0, "cortex-m3 agrees with the host: 33 states");
 }
 
