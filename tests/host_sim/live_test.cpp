@@ -293,7 +293,7 @@ TEST(Live, a_run_that_ends_before_its_scene_does_has_a_recording_that_can_be_rea
 TEST(Live, what_does_not_go_with_it_is_refused) {
     const std::string scene = written("hover.toml", drone);
     expect_outcome(live(scene, "", {"--json"}), 2,
-                   "--live: got --json, --trajectory, --contacts, --plot, --gltf or --check beside it");
+                   "--live: got --json, --trajectory, --contacts, --joints, --plot, --gltf or --check beside it");
     expect_outcome(live("-", drone), 2, "scene: got standard input, from which --live reads events");
     expect_outcome(tumble({"run", scene, "--record", temporary("out.toml")}), 2, "--record: got no --live beside it");
     expect_outcome(live(scene, "", {"--record", scene}), 2, "--record");

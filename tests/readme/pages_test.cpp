@@ -226,6 +226,10 @@ TEST(pages, name_the_keys_of_json_and_the_columns_of_a_trajectory) {
     keys.insert("bounded_steps");
     for (const auto& [key, value] : pile.at("bounded_steps").items()) keys.insert(key);
     for (const auto& [key, value] : pile.at("bounded_steps").at("bodies").at(0).items()) keys.insert(key);
+    const auto jointed = nlohmann::json::parse(
+        output_of({"run", (root / "host_sim/scenes/joints/pendulum.toml").c_str(), "--json", "--duration", "0.1"}));
+    keys.insert("joints");
+    for (const auto& [key, value] : jointed.at("joints").at(0).items()) keys.insert(key);
     std::istringstream rows{text.substr(text.find("| key of `--json`"))};
     for (std::string line; std::getline(rows, line) && line.starts_with("|");)
         if (line.find("key of") == std::string::npos) named.merge(all_in(line, std::regex{"`([a-z_]+)`"}));

@@ -64,6 +64,7 @@ static_assert(sizeof(0.1) == sizeof(double),
 #include <cstdint>
 #include <limits>
 #include <new>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 

@@ -14,8 +14,6 @@
 
 #include <tumble/world.hpp>
 
-#include <tuple>
-
 namespace tumble {
 
 namespace detail {
