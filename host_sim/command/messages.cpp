@@ -120,7 +120,7 @@ Account account_of(const Trouble& trouble, const SceneDescription& scene, const 
                 "from here on",
                 "poses that fit all joints of their bodies, or a smaller step"};
     if (trouble.issue == "step_bound_hit" && !scene.joints.empty())
-        return {"joints did not close in an eighth of the step, so their bodies were moved until they were, and lost "
+        return {"joints did not close in a 32nd of the step, so their bodies were moved until they were, and lost "
                 "energy",
                 "a smaller step, or heavier links"};
     if (trouble.issue != "step_bound_hit") return {"there is no room for another body", ""};

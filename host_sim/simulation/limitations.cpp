@@ -104,9 +104,11 @@ double swing_of(const BodySpec& body, const Triple& anchor) {
 }
 
 // The light link that joints swing the fastest under the weight of what hangs on it, where a step cannot follow: a part
-// of a step follows (h^2 times the sum of |f| |e x r| / I) up to 1, and a step has at most 8 parts (kernel/JOINTS.md).
+// of a step follows (h^2 times the sum of |f| |e x r| / I) up to 1/4, and a step has at most 32 parts
+// (kernel/JOINTS.md).
 void add_light_link(const SceneDescription& scene, std::vector<std::string>& list) {
-    constexpr int most_halvings = 3;
+    constexpr int most_halvings = 5;
+    constexpr double most_load = 0.25;
     const double g = std::hypot(scene.gravity[0], scene.gravity[1], scene.gravity[2]), h = scene.step.seconds();
     const SceneData data = build_scene(scene);
     std::vector<double> load(data.bodies.size()), swing(data.bodies.size());
@@ -130,16 +132,16 @@ void add_light_link(const SceneDescription& scene, std::vector<std::string>& lis
         }
     }
     const auto worst = std::max_element(load.begin(), load.end());
-    const int halvings = *worst > 0 ? static_cast<int>(std::ceil(std::log2(h * std::sqrt(*worst)))) : 0;
+    const int halvings = *worst > 0 ? static_cast<int>(std::ceil(std::log2(h * std::sqrt(*worst / most_load)))) : 0;
     if (halvings <= most_halvings) return;
     const auto link = static_cast<std::size_t>(worst - load.begin());
     const auto weight = static_cast<std::size_t>(heaviest[link]);
     const auto named = [&](std::size_t b) {
         return in_quotes(scene.bodies[b].name) + " of " + few_digits(data.bodies[b].mass.to_double()) + " kg";
     };
-    list.push_back(named(weight) + " on " + named(link) + ": forces above " + few_digits(1 / (h * h * swing[link])) +
-                   " N swing it faster than a step of " + step_text(scene.step) +
-                   " s follows. The step is divided by up to 8, and at rest under gravity " +
+    list.push_back(named(weight) + " on " + named(link) + ": forces above " +
+                   few_digits(most_load / (h * h * swing[link])) + " N swing it faster than a step of " +
+                   step_text(scene.step) + " s follows. The step is divided by up to 32, and at rest under gravity " +
                    std::to_string(std::int64_t{1} << std::min(halvings, 62)) + " would be needed; use step = \"" +
                    step_text(scaled(scene.step, -halvings)) + "\" or heavier links");
 }
