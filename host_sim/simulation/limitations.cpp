@@ -103,12 +103,11 @@ double swing_of(const BodySpec& body, const Triple& anchor) {
     return most;
 }
 
-// The light link that joints swing the fastest under the weight of what hangs on it, where a step cannot follow: a part
-// of a step follows (h^2 times the sum of |f| |e x r| / I) up to 1/4, and a step has at most 32 parts
-// (kernel/JOINTS.md).
+// The light link that joints swing the fastest under the weight of what hangs on it, where a step cannot follow: h^2
+// times the sum of |f| |e x r| / I is beyond its bound in the shortest part of a step (kernel/JOINTS.md).
 void add_light_link(const SceneDescription& scene, std::vector<std::string>& list) {
-    constexpr int most_halvings = 5;
-    constexpr double most_load = 0.25;
+    constexpr int most_halvings = detail::most_joint_halvings;
+    const double most_load = std::ldexp(1.0, detail::joint_load_log2);
     const double g = std::hypot(scene.gravity[0], scene.gravity[1], scene.gravity[2]), h = scene.step.seconds();
     const SceneData data = build_scene(scene);
     std::vector<double> load(data.bodies.size()), swing(data.bodies.size());
@@ -141,7 +140,8 @@ void add_light_link(const SceneDescription& scene, std::vector<std::string>& lis
     };
     list.push_back(named(weight) + " on " + named(link) + ": forces above " +
                    few_digits(most_load / (h * h * swing[link])) + " N swing it faster than a step of " +
-                   step_text(scene.step) + " s follows. The step is divided by up to 32, and at rest under gravity " +
+                   step_text(scene.step) + " s follows. The step is divided by up to " +
+                   std::to_string(1 << most_halvings) + ", and at rest under gravity " +
                    std::to_string(std::int64_t{1} << std::min(halvings, 62)) + " would be needed; use step = \"" +
                    step_text(scaled(scene.step, -halvings)) + "\" or heavier links");
 }

@@ -70,7 +70,7 @@ public:
     using Node = JointNode<N>;
     using Kicks = Kick<N>;
     static constexpr int room = features.has_joints() ? features.joints : 1;  // a world without joints has no forest
-    static constexpr int most_halvings = 5;                                   // of a step
+    static constexpr int most_halvings = detail::most_joint_halvings;         // of a step
     static constexpr int most_nodes = features.bodies > 0 && features.bodies < 2 * room ? features.bodies : 2 * room;
     static constexpr int most_trees = room < most_nodes ? room : most_nodes;
     // A free root has six directions; each of `used` joints leaves a tree less.
@@ -182,7 +182,7 @@ public:
     }
     void pose_changed(int b) {
         for (int t = 0; t < tree_count_; ++t)
-            if (has(tree_[t], b) || node_[tree_[t].first].base == b) forget_pose(tree_[t]);
+            if (is_in(tree_[t], b) || node_[tree_[t].first].base == b) forget_pose(tree_[t]);
     }
     [[nodiscard]] TUMBLE_INLINE bool is_jointed(int b) const { return is_jointed_[b]; }
     // True of a fixed body to which a tree ties.
@@ -191,8 +191,11 @@ public:
         for (int t = 0; t < tree_count_; ++t) any = any || node_[tree_[t].first].base == b;
         return any;
     }
-    [[nodiscard]] bool has(const JointTreeState& tree, int b) const { return has(tree, node_, b); }
-    [[nodiscard]] bool is_in(const JointTreeState& tree, int b) const { return has(tree, b); }
+    [[nodiscard]] bool is_in(const JointTreeState& tree, int b) const {
+        for (int i = tree.first; i < tree.last; ++i)
+            if (node_[i].body == b) return true;
+        return false;
+    }
     // kg m^2 or kg: the inertia of what hangs on a node along the free direction of its spring k, with the other side
     // at rest, as the factor has it. Of a ball the least of those of its three directions. Of a distance that is held,
     // none is free: a spring moves nothing. 0 where it is held.
@@ -435,14 +438,9 @@ private:
         while (place < room && record_[place].is_there) ++place;
         return place;
     }
-    [[nodiscard]] static bool has(const JointTreeState& tree, const Node* nodes, int b) {
-        for (int i = tree.first; i < tree.last; ++i)
-            if (nodes[i].body == b) return true;
-        return false;
-    }
     [[nodiscard]] const JointTreeState* tree_of(int b) const {
         for (int t = 0; t < tree_count_; ++t)
-            if (has(tree_[t], b)) return &tree_[t];
+            if (is_in(tree_[t], b)) return &tree_[t];
         return nullptr;
     }
     [[nodiscard]] JointTreeState* tree_of(int b) {
@@ -547,7 +545,7 @@ private:
             set_constants(bodies, tree_[t]);
             for (int k = 0; k < kept_trees; ++k)
                 for (int i = kept_tree[k].first; i < kept_tree[k].last; ++i) {
-                    if (!has(tree_[t], kept_body[i])) continue;
+                    if (!is_in(tree_[t], kept_body[i])) continue;
                     tree_[t].is_disturbed = tree_[t].is_disturbed || kept_tree[k].is_disturbed;
                     tree_[t].is_moved = tree_[t].is_moved || kept_tree[k].is_moved;
                     if (kept_tree[k].halvings > tree_[t].halvings) tree_[t].halvings = kept_tree[k].halvings;

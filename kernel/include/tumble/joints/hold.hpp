@@ -126,18 +126,14 @@ private:
             if constexpr (features.has_joint_ranges())
                 for (int i = tree.first; i < tree.last; ++i)
                     if (Node& node = forest_.nodes()[i]; forest_.has_range(node)) forest_.set_end(node, end_[i]);
-            measures_.place(tree, bodies_);
-            measures_.factor(tree);
+            begin_anew(tree);
             tree.is_disturbed = false;
         });
         return false;
     }
     // From the beginning of a part to half of it.
     [[gnu::noinline, gnu::cold]] void halve() {
-        each([&](const JointTreeState& tree) {
-            each_node(tree, [&](const Node&, int i) { copy(forest_.kicks()[i], guess_[i]); });
-            scale_kicks(tree, halvings_, halvings_ + 1);
-        });
+        each([&](const JointTreeState& tree) { scale_kicks(tree, halvings_, halvings_ + 1); });
         ++halvings_;
     }
     // Moves the group over a part, closed at its end. Else it is where the part begins, and the result is false.
@@ -183,8 +179,10 @@ private:
             if (closed) return true;
             go_back(group, spin_changed);
             if (corrections == most_corrections || (!within && halvings_ < most_halvings)) [[unlikely]]
-                return false;
+                break;
         }
+        each([&](const JointTreeState& tree) { take_guess(tree); });
+        return false;
     }
 
     // Copies that need no call.
@@ -306,23 +304,19 @@ private:
     // The changes of motion that end the rates across the joints. A rope that would push for it goes slack, and a joint
     // that its end would pull leaves it. The bodies must be placed, and the factor must be that of there.
     void find_end(JointTreeState& tree) {
-        measures_.rates(tree, bodies_);
-        solve(tree);
-        if constexpr (features.has_joint_ranges()) {
-            const auto slackens = [&] {
-                bool any = false;
-                if (!tree.has_ranges) return any;
+        for (bool slackens = true; slackens;) {
+            measures_.rates(tree, bodies_);
+            solve(tree);
+            slackens = false;
+            if constexpr (features.has_joint_ranges()) {
+                if (!tree.has_ranges) return;
                 measures_.for_each_that_pushes(tree, [&](Node& node, int) {
                     forest_.set_end(node, 0);
-                    any = true;
+                    slackens = true;
                 });
-                return any;
-            };
-            while (slackens()) {
+                if (!slackens) return;
                 each_node(tree, [&](const Node&, int i) { forest_.kicks()[i] = {}; });  // no guess without it
                 measures_.factor(tree);
-                measures_.rates(tree, bodies_);
-                solve(tree);
             }
         }
     }
@@ -348,11 +342,14 @@ private:
         measures_.for_each_that_pushes(tree, [&](Node& node, int i) { change(node, i, 0); });
         return any;
     }
-    // Where the bodies are back at the start of a part, with other ends.
-    void begin_anew(JointTreeState& tree) requires(features.has_joint_ranges()) {
+    // Where the bodies are back at the start of a part, and the factor is that of its end or of other ends of ranges.
+    void begin_anew(JointTreeState& tree) {
         measures_.place(tree, bodies_);
         measures_.factor(tree);
-        each_node(tree, [&](const Node&, int i) { forest_.kicks()[i] = guess_[i]; });
+        take_guess(tree);
+    }
+    void take_guess(const JointTreeState& tree) {
+        each_node(tree, [&](const Node&, int i) { copy(forest_.kicks()[i], guess_[i]); });
     }
     // The parts that the next step is to have.
     void divide(JointTreeState& tree, int halvings) {

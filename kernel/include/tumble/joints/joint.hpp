@@ -134,6 +134,10 @@ enum class JointFault : std::uint8_t {
 
 namespace detail {
 
+// A step of a tree is flown in up to 2^most_joint_halvings parts of h, in which h^2 f r / I is at most
+// 2^joint_load_log2: joints/hold.hpp. The host warns of what needs more.
+inline constexpr int most_joint_halvings = 5, joint_load_log2 = -2;
+
 [[nodiscard]] constexpr JointLimits limits_of([[maybe_unused]] const auto& spec) {
     if constexpr (requires { spec.limits; }) return spec.limits;
     else return {};

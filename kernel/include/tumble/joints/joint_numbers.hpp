@@ -8,6 +8,7 @@
 #pragma once
 
 #include <tumble/body/state.hpp>
+#include <tumble/joints/joint.hpp>
 
 namespace tumble {
 
@@ -25,7 +26,7 @@ requires(N::fixed_point) struct JointNumbers<N> {
                          coarse_rate_bits = 22, spin_bits = 33, coarse_spin_bits = 27;
     // The least power of two of arms, m: a Unit of it is at least 2^-gap_bits m.
     static constexpr int least_log2 = -4, most_log2 = 26;
-    // The magnitude of the largest gap or rate in a solution, at most, and that of what follows from it.
+    // Bits of the largest gap or rate in a solution, at most and at least, and of what follows from it, at most.
     static constexpr int open_bits = 23, least_open_bits = 12, room_bits = 29;
     static constexpr int most_up = 14;  // a gap of one unit counts as that many bits
 
@@ -144,7 +145,7 @@ requires(N::fixed_point) struct JointNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static bool within(std::int32_t a, int bits) {
         return static_cast<std::uint32_t>(a) + (1u << bits) < 2u << bits;
     }
-    // A component of spin x arm, the spin in 2^-of_spin.
+    // A component of spin x arm. The spin is in 2^-of_spin rad.
     [[nodiscard]] TUMBLE_INLINE static Open swept(auto product, int log2, int of_spin, int bits) {
         return lowered(product.raw, of_spin + Unit::fraction_bits - log2 - bits);
     }
@@ -256,7 +257,7 @@ requires(N::fixed_point) struct JointNumbers<N> {
         return down >= 0 ? lowered(detail::multiply(size, swing.mantissa), down) : std::int64_t{size != 0} << 40;
     }
     [[nodiscard]] TUMBLE_INLINE static bool is_too_strong(Load load, int halvings) {
-        return load > std::int64_t{1} << (14 + 2 * halvings);
+        return load > std::int64_t{1} << (16 + detail::joint_load_log2 + 2 * halvings);
     }
     [[nodiscard]] TUMBLE_INLINE static bool turns_too_far(const auto& spin, int of_spin, int halvings) {
         return dot(spin, spin).raw > std::int64_t{1}
@@ -381,7 +382,7 @@ requires(!N::fixed_point) struct JointNumbers<N> {
         return swing(halved(magnitude_of(force[0]) + magnitude_of(force[1]) + magnitude_of(force[2]), -log2));
     }
     [[nodiscard]] TUMBLE_INLINE static bool is_too_strong(Load load, int halvings) {
-        return load > Unit(0.25) * Unit(1 << 2 * halvings);
+        return load * Unit(1 << -detail::joint_load_log2) > Unit(1 << 2 * halvings);
     }
     [[nodiscard]] TUMBLE_INLINE static bool turns_too_far(const auto& spin, int, int halvings) {
         return dot(spin, spin) > Unit(1 << 2 * halvings) * Unit(0.0625);

@@ -476,7 +476,7 @@ private:
                 if (node.turns + node.slides == 0 && forest_.has_range(node)) log2 = (log2 > 1 ? log2 : 1) + 1;
             // A spin in 2^n parts rounds the orientation as often: a sum of 2^(n/2) roundings.
             int halvings = bodies.halvings_of(node.body);
-            if (node.parent >= 0) halvings = larger(halvings, bodies.halvings_of(forest_.nodes()[node.parent].body));
+            if (node.parent >= 0) halvings = larger_of(halvings, bodies.halvings_of(forest_.nodes()[node.parent].body));
             const int roundings = (halvings + 1) / 2;
             bool is_within = are_within(target, J::enough(is_guess, log2, roundings));
             if constexpr (!N::fixed_point)
@@ -503,7 +503,6 @@ private:
     [[gnu::noinline]] static void leave(const StoredVec3<Unit>& axis, Vector& change) {
         change -= along(axis, narrow<Unit>(dot(axis, change)));
     }
-    [[nodiscard]] TUMBLE_INLINE static int larger(int a, int b) { return a > b ? a : b; }
     // False of a number that is none.
     [[nodiscard]] TUMBLE_INLINE static bool are_within(const Unit (&target)[6], Unit limit) {
         for (const Unit a : target)

@@ -63,15 +63,39 @@ public:
             }
         if constexpr (features.has_joint_ranges()) to.at_limit = forest_.range_of(forest_.nodes()[node_].joint).end;
         Vector force, torque;
-        set_load(force, torque);
+        load(force, torque);
         to.force = {static_cast<T>(force[0]), static_cast<T>(force[1]), static_cast<T>(force[2])};
         to.torque = {static_cast<T>(torque[0]), static_cast<T>(torque[1]), static_cast<T>(torque[2])};
         to.corrections = forest_.tree_at(node_).corrections;
         return to;
     }
-
-    // N and N m, on `body` at the anchor, world: at the end of the last step.
-    void load(Vector& force, Vector& torque) const { set_load(force, torque); }
+    // N and N m, on `body` at the anchor, world: at the end of the last step. The balance of the subtree that hangs on
+    // the joint: its half kicks are by this joint alone, since what joints do within it cancels.
+    void load(Vector& force, Vector& torque) const {
+        force = torque = zero_vector<N>();
+        const JointNode<N>* nodes = forest_.nodes();
+        const Vector at = anchor(nodes[node_].side);
+        const int last = forest_.tree_at(node_).last;
+        for (int i = node_; i < last; ++i) {
+            if (!hangs_on(i)) continue;
+            const int b = nodes[i].body;
+            const Kick<N>& kick = forest_.kicks()[i];
+            Vector push, turn;
+            for (int k = 0; k < 3; ++k) {
+                push[k] = N::metres(kick.linear[k], bodies_.scale) / bodies_.step_per_mass(b);
+                turn[k] = N::half_turn(kick.angular[k], bodies_.finest_scale()) *
+                          bodies_.constants[b].units.rate(k, Work(1)) / bodies_.step_per_moment(b, k);
+            }
+            force += push;
+            torque += cross<Work>(Vector(bodies_.position(b) - at), push) +
+                      rotate(work_quaternion<N>(bodies_.state[b].q_wb.value()), turn);
+        }
+        // Twice a half kick, of a part of 2^-halvings of a step.
+        const Work per_kick = rate_ * static_cast<Work>(2 << forest_.tree_at(node_).halvings),
+                   scale = nodes[node_].side == 0 ? per_kick : -per_kick;
+        force = scaled_by(force, scale);
+        torque = scaled_by(torque, scale);
+    }
 
 private:
     const Forest& forest_;
@@ -123,38 +147,11 @@ private:
     // Of the body's anchor against the point of the other side at which it is.
     [[nodiscard]] Work slide_rate() const {
         const Vector at = anchor(0);
-        const Vector own = velocity(0) + cross<Work>(spin(0), arm(0));
+        const Vector own = point_velocity(0);
         const int b = joint_.side[1].body;
         if (b < 0) return dot(axis(1, 0), own);
         const Vector other = velocity(1) + cross<Work>(spin(1), Vector(at - bodies_.position(b)));
         return dot(axis(1, 0), Vector(own - other));
-    }
-    // The balance of the subtree that hangs on the joint: its half kicks of the last step are by this joint alone,
-    // since what joints do within it cancels.
-    void set_load(Vector& force, Vector& torque) const {
-        force = torque = zero_vector<N>();
-        const JointNode<N>* nodes = forest_.nodes();
-        const Vector at = anchor(nodes[node_].side);
-        const int last = forest_.tree_at(node_).last;
-        for (int i = node_; i < last; ++i) {
-            if (!hangs_on(i)) continue;
-            const int b = nodes[i].body;
-            const Kick<N>& kick = forest_.kicks()[i];
-            Vector push, turn;
-            for (int k = 0; k < 3; ++k) {
-                push[k] = N::metres(kick.linear[k], bodies_.scale) / bodies_.step_per_mass(b);
-                turn[k] = N::half_turn(kick.angular[k], bodies_.finest_scale()) *
-                          bodies_.constants[b].units.rate(k, Work(1)) / bodies_.step_per_moment(b, k);
-            }
-            force += push;
-            torque += cross<Work>(Vector(bodies_.position(b) - at), push) +
-                      rotate(work_quaternion<N>(bodies_.state[b].q_wb.value()), turn);
-        }
-        // Twice a half kick, of a part of 2^-halvings of a step.
-        const Work per_kick = rate_ * static_cast<Work>(2 << forest_.tree_at(node_).halvings),
-                   scale = nodes[node_].side == 0 ? per_kick : -per_kick;
-        force = scaled_by(force, scale);
-        torque = scaled_by(torque, scale);
     }
     [[nodiscard]] bool hangs_on(int i) const {
         while (i > node_) i = forest_.nodes()[i].parent;
