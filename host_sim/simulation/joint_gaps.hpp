@@ -118,7 +118,6 @@ private:
 
     // The world stays at the origin.
     [[nodiscard]] static Motion side(int body, const auto& motion_at) { return body < 0 ? Motion{} : motion_at(body); }
-    [[nodiscard]] static Vector unit(const Vector& v) { return v * (1 / norm(v)); }
     // The unit vector along the part of v across an axis.
     [[nodiscard]] static Vector across(const Vector& v, const Vector& axis) {
         const Vector direction = unit(v);

@@ -33,6 +33,11 @@ template <class T>
 [[nodiscard]] T norm(Vec<T> a) {
     return std::sqrt(dot(a, a));
 }
+// In its direction; not of zero.
+template <class T>
+[[nodiscard]] Vec<T> unit(Vec<T> a) {
+    return a * (1 / norm(a));
+}
 // The product by elements: a diagonal matrix times a vector.
 template <class T>
 [[nodiscard]] Vec<T> times(Vec<T> d, Vec<T> a) {

@@ -55,8 +55,6 @@ Matrix carried_back(const Matrix& inertia, const Vector& reach) {
 
 Six velocity_of(const Motion& m) { return six(m.v, m.q.rotate(m.w)); }
 
-Vector unit(const Vector& v) { return v * (1 / norm(v)); }
-
 }  // namespace
 
 const JointDescription* without_equations(const std::vector<JointDescription>& joints) {

@@ -131,7 +131,7 @@ SmoothMotion::SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet
         if (std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.touches_planes(); })) {
             for (const PlaneDescription& plane : scene.planes) {
                 const Vector normal = vector_of(plane.normal);
-                planes_.push_back({normal * (1 / norm(normal)), plane.offset});
+                planes_.push_back({unit(normal), plane.offset});
             }
         }
         for (std::size_t i = 0; i < bodies_.size(); ++i)
@@ -216,7 +216,7 @@ void SmoothMotion::add_air_wheels_and_gradient(const std::vector<Motion>& motion
         Vector torque = cross(vector_of(body.wheel_momentum), motions[i].w);
         if (scene_.gravity_gradient) {
             const Vector to_centre = vector_of(scene_.gravity_gradient->to_centre);
-            const Vector r = motions[i].q.rotate_back(to_centre * (1 / norm(to_centre)));
+            const Vector r = motions[i].q.rotate_back(unit(to_centre));
             const Number rate = scene_.gravity_gradient->orbit_rate;
             torque = torque + cross(r, bodies_[i].inertia * r) * (3 * rate * rate);
         }
