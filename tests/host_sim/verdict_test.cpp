@@ -428,7 +428,7 @@ TEST(Verdict, check_of_joints_that_is_too_dear_is_not_made) {
                   made = verdict_of(scene, {"verlet", "f64", false}, run, {.most_seconds = 10.0});
     EXPECT_EQ(dear.kind, Verdict::Kind::unchecked);
     EXPECT_NE(made.kind, Verdict::Kind::unchecked);
-    // Its cost is told by the beginning, about.
+    // The beginning tells roughly what it costs.
     const double cost = solved_record_of(scene, 1e-11, moments_of(scene)).seconds +
                         solved_record_of(scene, 1e-14, moments_of(scene)).seconds;
     EXPECT_GT(dear.cost_s, cost / 3);

@@ -1,8 +1,6 @@
 // Joints that break, by a load or by a program, and what is recorded of joints. The oracles are closed forms of the
 // load, free flight, and the hash of a replay.
-#include <tumble/tumble.hpp>
-
-#include "kinds.hpp"
+#include "joint_cases.hpp"
 
 #include <array>
 #include <cmath>
@@ -24,23 +22,18 @@ inline constexpr Features brittle{.bodies = 5,
 using BreakKinds = Tested<testing::Types<Kind<Q32<>, integrators::Verlet>, Kind<F64, integrators::Verlet>>,
                           testing::Types<Kind<F32, integrators::Verlet>>>;
 
-constexpr double g = 9.81;
+using joint_cases::g;
 
 template <class W>
-class Breaks : public testing::Test {
+class Breaks : public JointCases<W, brittle> {
 protected:
-    using N = typename W::Numbers;
-    using World = tumble::World<SceneOf<N, typename W::Integrator, brittle>>;
+    using Base = JointCases<W, brittle>;
+    using typename Base::World;
 
-    [[nodiscard]] static World falling() { return World{Seconds{1, 256}, {.gravity = {0, -g, 0}}}; }
     [[nodiscard]] static BodySpec at(BodySpec body, const RealVec3& position) {
         body.position = position;
         return body;
     }
-    static void run(World& world, int steps) {
-        for (int i = 0; i < steps; ++i) (void)world.step();
-    }
-    [[nodiscard]] static auto joint(const World& world, int j) { return world.template joint<double>(JointId{j}); }
     [[nodiscard]] static double height(const World& world, BodyId id) {
         return static_cast<double>(world.position(id).y);
     }

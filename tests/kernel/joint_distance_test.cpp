@@ -1,8 +1,6 @@
 // Rods and ropes: DistanceSpec. The oracles are closed forms of pendulums, of free flight and of impacts, and what is
 // conserved.
-#include <tumble/tumble.hpp>
-
-#include "kinds.hpp"
+#include "joint_cases.hpp"
 
 #include <array>
 #include <cmath>
@@ -18,18 +16,17 @@ using DistanceKinds =
     Tested<testing::Types<Kind<Q32<>, integrators::Verlet>, Kind<F64, integrators::Verlet>>,
            testing::Types<Kind<Q32<FieldRange>, integrators::Verlet>, Kind<F32, integrators::Verlet>>>;
 
-constexpr double g = 9.81;
+using joint_cases::g;
 
 template <class W>
-class Distances : public testing::Test {
+class Distances : public JointCases<W, tied> {
 protected:
-    using N = typename W::Numbers;
-    using World = tumble::World<SceneOf<N, typename W::Integrator, tied>>;
-    static constexpr bool is_single = !N::fixed_point && sizeof(typename N::Unit) == 4;
+    using Base = JointCases<W, tied>;
+    using Base::is_single;
+    using typename Base::N;
+    using typename Base::World;
     static constexpr double closed = N::fixed_point ? 8e-9 : is_single ? 2e-6 : 4e-12;
 
-    [[nodiscard]] static World falling(Seconds step = {1, 256}) { return World{step, {.gravity = {0, -g, 0}}}; }
-    [[nodiscard]] static World floating() { return World{Seconds{1, 256}, {}}; }
     [[nodiscard]] static BodySpec at(BodySpec body, const RealVec3& position, const RealVec3& velocity = {}) {
         body.position = position;
         body.velocity = velocity;
@@ -57,9 +54,6 @@ protected:
         return sum;
     }
     [[nodiscard]] static int limit(const World& world) { return world.template joint<double>(JointId{0}).at_limit; }
-    static void run(World& world, int steps) {
-        for (int i = 0; i < steps; ++i) (void)world.step();
-    }
 };
 TYPED_TEST_SUITE(Distances, DistanceKinds);
 

@@ -1,8 +1,6 @@
 // Limits of hinges and sliders: ends at which a joint is held and not pulled. The oracles are statics, closed forms of
 // the way to the end, and what is conserved.
-#include <tumble/tumble.hpp>
-
-#include "kinds.hpp"
+#include "joint_cases.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,26 +15,21 @@ inline constexpr Features limited{
 using LimitKinds = Tested<testing::Types<Kind<Q32<>, integrators::Verlet>, Kind<F64, integrators::Verlet>>,
                           testing::Types<Kind<F32, integrators::Verlet>>>;
 
-constexpr double g = 9.81;
+using joint_cases::g;
 
 template <class W>
-class Limits : public testing::Test {
+class Limits : public JointCases<W, limited> {
 protected:
-    using N = typename W::Numbers;
-    using World = tumble::World<SceneOf<N, typename W::Integrator, limited>>;
-    static constexpr bool is_single = !N::fixed_point && sizeof(typename N::Unit) == 4;
+    using Base = JointCases<W, limited>;
+    using Base::falling;
+    using Base::is_single;
+    using typename Base::World;
     static constexpr double close = is_single ? 1e-5 : 1e-7;
 
-    [[nodiscard]] static World falling() { return World{Seconds{1, 256}, {.gravity = {0, -g, 0}}}; }
-    [[nodiscard]] static World floating() { return World{Seconds{1, 256}, {}}; }
     [[nodiscard]] static BodySpec at(BodySpec body, const RealVec3& position) {
         body.position = position;
         return body;
     }
-    static void run(World& world, int steps) {
-        for (int i = 0; i < steps; ++i) (void)world.step();
-    }
-    [[nodiscard]] static auto joint(const World& world, int j = 0) { return world.template joint<double>(JointId{j}); }
     [[nodiscard]] static double energy(const World& world, int bodies) {
         double sum = 0;
         for (int b = 0; b < bodies; ++b)

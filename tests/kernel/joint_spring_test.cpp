@@ -1,8 +1,6 @@
 // Springs and dampers along the free directions of joints. The oracles are the closed forms of oscillators, conserved
 // quantities, and springs between the same points.
-#include <tumble/tumble.hpp>
-
-#include "kinds.hpp"
+#include "joint_cases.hpp"
 
 #include <array>
 #include <cmath>
@@ -22,22 +20,18 @@ using SpringKinds = Tested<testing::Types<Kind<Q32<>, integrators::Verlet>, Kind
                            testing::Types<Kind<F32, integrators::Verlet>, Kind<F64, integrators::Strang>>>;
 
 template <class W>
-class JointSprings : public testing::Test {
+class JointSprings : public JointCases<W, sprung> {
 protected:
-    using N = typename W::Numbers;
-    using World = tumble::World<SceneOf<N, typename W::Integrator, sprung>>;
-    static constexpr bool is_single = !N::fixed_point && sizeof(typename N::Unit) == 4;
+    using Base = JointCases<W, sprung>;
+    using Base::is_single;
+    using Base::run;
+    using typename Base::World;
 
-    [[nodiscard]] static World floating(Seconds step = {1, 256}) { return World{step, {}}; }
     [[nodiscard]] static BodySpec at(BodySpec body, const RealVec3& position, const RealVec3& spin = {}) {
         body.position = position;
         body.angular_velocity = spin;
         return body;
     }
-    static void run(World& world, int steps) {
-        for (int i = 0; i < steps; ++i) (void)world.step();
-    }
-    [[nodiscard]] static auto joint(const World& world, int j = 0) { return world.template joint<double>(JointId{j}); }
     [[nodiscard]] static Vector3<double> spin(const World& world, BodyId id) {
         return rotate(world.orientation(id).template as<double>(), world.angular_velocity(id).template as<double>());
     }
