@@ -302,8 +302,7 @@ void place_joint(Document& document, const JointDescription& joint, const BodyDe
     if (!knob.positions.empty()) return add(knob, {0, 0, 0, 1});
     for (const Triple& axis : {joint.axis, joint.to_axis}) {
         if (axis == Triple{}) continue;
-        const reference::Vector world = reference::vector_of(axis),
-                                own = to_world.rotate_back(unit(world));
+        const reference::Vector world = reference::vector_of(axis), own = to_world.rotate_back(unit(world));
         const bool slides = joint.kind == JointKind::slider;
         Mesh pin;
         add_cylinder(pin, thickness / (slides ? 8 : 4), (slides ? 6 : 2.5) * extent_along(mesh, own));

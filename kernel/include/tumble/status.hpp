@@ -27,7 +27,8 @@ enum class Issue : std::uint8_t {
     world_full = 8,
     // The step is too long and adds energy: for a spring, a damper or drag when it was added, for a spring of a joint
     // in the next step, for contacts by springs, or for two bodies that attract each other. Or a link swings under the
-    // force of its joint faster than a 32nd of the step follows. Take a smaller step; for contacts by springs at most World::largest_safe_step().
+    // force of its joint faster than a 32nd of the step follows. Take a smaller step; for contacts by springs at most
+    // World::largest_safe_step().
     step_too_long = 16,
     // A step had more impacts or searches than ContactSpec allows, or sweeps without an end: allow more. What was left
     // over is resolved at the start of the next step; bodies overlap until then. Or a bounded step of many bodies ended
