@@ -1,0 +1,283 @@
+// MotionInParts<Scene>: parts of a step. Contacts and joints ask for a portion of it, and spins too fast for their
+// format for 2^n parts of a portion. A part is a step of its own with a shorter unit of time.
+#pragma once
+
+#include <tumble/advance/loaded_motion.hpp>
+#include <tumble/body/momentum.hpp>
+
+namespace tumble {
+
+template <class S>
+class MotionInParts : public LoadedMotion<S> {
+    using Base = LoadedMotion<S>;
+
+public:
+    using Base::add_wrenches, Base::check_range, Base::check_spin_about_z, Base::forget_kicks, Base::is_coupled,
+        Base::is_dragged_alone, Base::is_driven, Base::is_loaded, Base::one, Base::over, Base::rotate_flight,
+        Base::settle, Base::shorten_parts_about_z, Base::spin_changed, Base::spins_changed, Base::whole_fall;
+    using Base::Base;
+    using Base::features, Base::has_loads, Base::rotation, Base::has_wrenches, Base::spin, Base::bodies, Base::loads,
+        Base::places_, Base::gravity_;
+    using typename Base::N, typename Base::Integrator, typename Base::Work, typename Base::DriftSum,
+        typename Base::TurnSum, typename Base::State, typename Base::Bodies, typename Base::BodyGroup,
+        typename Base::Portion;
+
+    // A step of a body that loads do not couple to another.
+    void alone(int b, const StepInfo<N>& info) requires has_loads {
+        const BodyGroup group{b};
+        if (moved_in_parts(group, info, Work(1))) forget_kicks(group);
+        else one(b, info, gravity_, Work(1), true);
+        check_range(b);
+        check_spin_about_z(b);
+        settle(b);
+    }
+    // A step of one body, or of bodies that loads couple.
+    void group(const BodyGroup& group, const StepInfo<N>& info) {
+        if (moved_in_parts(group, info, Work(1))) forget_kicks(group);
+        else over(group, info, gravity_, Work(1), true);
+        check_range(group);
+    }
+    // A portion of a step, of bodies that are not fixed. It does not check their range. Contacts may change the motion
+    // after it.
+    void portion(const BodyGroup& group, const StepInfo<N>& info, const Portion& portion) {
+        forget_kicks(group);
+        if (moved_in_parts(group, info, portion.length)) return;
+        if (portion.whole) {
+            over(group, info, gravity_, Work(1), false);
+            return;
+        }
+        BodyGroup driven;
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            if (is_driven(b) || is_coupled(b)) driven.add(b);
+            else free_part(b, info, portion.length);
+        }
+        if constexpr (has_loads || has_wrenches)
+            if (driven.count > 0) part_of_step(driven, info, portion.length);
+    }
+    // Writes the change of motion by gravity and by the loads, at their present strength, over the whole step.
+    template <class Marks, class Kicks>
+    void foresee(const BodyGroup& group, const Marks& marks, Kicks& kick_of) {
+        forget_kicks(group);
+        const DriftSum fall[3]{whole_fall(0), whole_fall(1), whole_fall(2)};
+        BodyGroup loaded;
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            Kick<N>& kick = kick_of[b];
+            kick = {};
+            for (int i = 0; i < 3; ++i) kick.linear[i] = fall[i];
+            if (marks[b].loaded) {
+                loaded.add(b);
+            } else if constexpr (has_wrenches) {
+                add_wrenches(b, kick);
+                kick_of.rescale(b, bodies.halvings_of(b));
+            }
+        }
+        if constexpr (has_loads) {
+            if (loaded.count == 0) return;
+            StageState<N> stages[features.bodies];
+            Kick<N> kicks[features.bodies];
+            for (int k = 0; k < loaded.count; ++k) stages[k] = stage_of(bodies.state[loaded.id[k]]);
+            const std::int16_t* const places = places_.of(loaded);
+            if (!foresee_in_parts(loaded, places, stages, kicks))
+                loads.template evaluation<false>(bodies, loaded, Work(1), fall, true, places)(stages, kicks);
+            for (int k = 0; k < loaded.count; ++k) {
+                kick_of[loaded.id[k]] = kicks[k];
+                if constexpr (has_wrenches) add_wrenches(loaded.id[k], kick_of[loaded.id[k]]);
+                kick_of.rescale(loaded.id[k], bodies.halvings_of(loaded.id[k]));
+            }
+        }
+    }
+
+private:
+    // The most halvings of a spin in a group in which loads act at stages on a body with such a spin, else 0. `whole`:
+    // over a whole step.
+    [[nodiscard]] int halvings_under_loads(const BodyGroup& group, bool whole) const
+        requires(has_loads&& Bodies::has_parts) {
+        int most = 0;
+        bool loaded = false;
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            if (bodies.parts.halvings[b] == 0) continue;
+            loaded = loaded || (is_loaded(b) && !(whole && is_dragged_alone(b)));
+            if (bodies.parts.halvings[b] > most) most = bodies.parts.halvings[b];
+        }
+        return loaded ? most : 0;
+    }
+    // Moves bodies whose spins have halvings under loads; false of others.
+    TUMBLE_INLINE bool moved_in_parts([[maybe_unused]] const BodyGroup& group, [[maybe_unused]] const StepInfo<N>& info,
+                                      [[maybe_unused]] Work length) {
+        if constexpr (has_loads && Bodies::has_parts) {
+            for (int k = 0; k < group.count; ++k) shorten_parts_about_z(group.id[k]);
+            if (const int halvings = halvings_under_loads(group, length == Work(1)); halvings > 0) [[unlikely]] {
+                portion_in_parts(group, info, length, halvings);
+                return true;
+            }
+        }
+        return false;
+    }
+    // A portion of a step of bodies under loads, in 2^halvings parts: in each of them the spins have their usual scale.
+    [[gnu::noinline]] void portion_in_parts(const BodyGroup& group, const StepInfo<N>& info, Work length,
+                                            int halvings) requires(has_loads&& Bodies::has_parts) {
+        for (int part = 0; part < 1 << halvings; ++part) {
+            for (int k = 0; k < group.count; ++k) {
+                const int b = group.id[k];
+                for (; bodies.parts.halvings[b] < halvings; ++bodies.parts.halvings[b]) N::halve(bodies.state[b].t_b);
+                bodies.parts.halvings[b] = 0;
+            }
+            part_of_step(group, info, N::times_power_of_two(length, -halvings), halvings);
+            int most = halvings;
+            for (int k = 0; k < group.count; ++k) {
+                const int b = group.id[k];
+                bodies.set_halvings(b, bodies.parts.halvings[b] + halvings);
+                (void)bodies.check_range(b);
+                if (bodies.parts.halvings[b] > most) most = bodies.parts.halvings[b];
+            }
+            for (; halvings < most; ++halvings) part = 2 * part + 1;
+        }
+    }
+    // Where a spin has halvings, the loads act over the shortest part. The kicks are then those over the whole step
+    // again. False where none has.
+    template <class Stage, class Kick>
+    bool foresee_in_parts([[maybe_unused]] const BodyGroup& loaded, [[maybe_unused]] const std::int16_t* places,
+                          [[maybe_unused]] Stage* stages, [[maybe_unused]] Kick* kicks) requires has_loads {
+        if constexpr (Bodies::has_parts) {
+            const int most = halvings_under_loads(loaded, false);
+            if (most == 0) [[likely]]
+                return false;
+            DriftSum part_of_fall[3];
+            for (int i = 0; i < 3; ++i) {
+                part_of_fall[i] = {whole_fall(i).raw >> 2 * most};
+                for (int k = 0; k < loaded.count; ++k) {
+                    stages[k].d_w[i].raw >>= most;
+                    stages[k].t_b[i].raw >>= most - bodies.parts.halvings[loaded.id[k]];
+                }
+            }
+            loads.template evaluation<false>(bodies, loaded, N::times_power_of_two(Work(1), -most), part_of_fall, true,
+                                             places)(stages, kicks);
+            const auto of_step = [&](Work change) { return N::times_power_of_two(change, 2 * most); };
+            for (int k = 0; k < loaded.count; ++k) {
+                for (int i = 0; i < 3; ++i) {
+                    auto& [linear, angular] = kicks[k];
+                    linear[i] = N::drift_sum(of_step(N::metres(linear[i], bodies.scale)), bodies.scale);
+                    angular[i] = N::turn_sum(of_step(N::half_turn(angular[i], bodies.scale)), bodies.scale);
+                }
+            }
+            return true;
+        }
+        return false;
+    }
+
+    // A part of a step of a body that gravity alone moves. Its drift, and a spin that is the angular momentum, follow
+    // without a division by the part.
+    [[gnu::noinline, gnu::cold]] void free_part(int b, [[maybe_unused]] const StepInfo<N>& info, Work length) {
+        State& s = bodies.state[b];
+        const auto part = N::fraction(length);
+        const auto move = [&](auto& x, auto& d, DriftSum whole) __attribute__((noinline)) {
+            const DriftSum fall = N::part(whole, part);
+            DriftSum mean = N::sum(d);
+            if constexpr (Integrator::coasting == Coasting::mean) mean += N::half(fall);
+            if constexpr (Integrator::coasting == Coasting::end) mean += fall;
+            N::move(x, N::part(mean, part), bodies.scale);
+            N::add(d, fall);
+        };
+        move(s.x_w.x, s.d_w.x, whole_fall(0));
+        move(s.x_w.y, s.d_w.y, whole_fall(1));
+        move(s.x_w.z, s.d_w.z, whole_fall(2));
+        if constexpr (rotation)
+            if (bodies.rotates(b)) rotate_in_part(b, info, length);
+    }
+    // The spin shrinks to the part, so that the method's code for a step turns the body.
+    void rotate_in_part(int b, const StepInfo<N>& info, Work length) requires(rotation) {
+        State& s = bodies.state[b];
+        const auto part = N::fraction(length);
+        auto start = s.t_b;
+        const auto from = s.q_wb.value();
+        [[maybe_unused]] const int halvings = bodies.halvings_of(b);
+        const auto shrink = [&](auto& t) __attribute__((noinline)) { t.add(N::part(N::sum(t), part) - N::sum(t)); };
+        shrink(s.t_b.x);
+        shrink(s.t_b.y);
+        shrink(s.t_b.z);
+        [[maybe_unused]] auto shrunk = s.t_b;
+        spin_changed(b);
+        rotate_flight(b, info);
+        if constexpr (Bodies::has_parts) {
+            for (int h = halvings; h < bodies.halvings_of(b); ++h) {
+                N::halve(start);
+                N::halve(shrunk);
+            }
+        }
+        if constexpr (spin == Spin::angular_momentum) {
+            TurnSum t[3]{N::sum(start.x), N::sum(start.y), N::sum(start.z)};
+            turn_momentum<N>(t, bodies.spin_scale(b), from, s.q_wb.value());
+            s.t_b = start;
+            s.t_b.x.add(t[0] - N::sum(start.x));
+            s.t_b.y.add(t[1] - N::sum(start.y));
+            s.t_b.z.add(t[2] - N::sum(start.z));
+        } else {
+            // Only the change is scaled back, so that a spin that does not change stays exact.
+            for (int i = 0; i < 3; ++i) {
+                const Work change = N::half_turn(N::sum(s.t_b[i]) - N::sum(shrunk[i]), bodies.scale) / length;
+                s.t_b[i] = start[i];
+                s.t_b[i].add(N::turn_sum(change, bodies.scale));
+            }
+        }
+        spin_changed(b);
+    }
+    // A part of a step of bodies under loads, with the part as the unit of time. Drift and spin shrink with it, and
+    // accelerations with its square. Then the same code steps over the part. Only the changes are scaled back, so that
+    // a drift that loads do not change stays exact. The spin is already in half turns of 2^-halvings of the step.
+    void part_of_step(const BodyGroup& group, const StepInfo<N>& info, Work length, int halvings = 0) {
+        const auto part = N::fraction(length);
+        const Work inverse = Work(1) / length;
+        const Work spin_length = N::times_power_of_two(length, halvings),
+                   spin_inverse = N::times_power_of_two(inverse, -halvings);
+        const bool spin_shrinks = halvings == 0 || spin_length < Work(1);
+        StateCopies<State, features.bodies> whole, scaled;
+        [[maybe_unused]] std::int8_t before[features.bodies]{};
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            State& s = bodies.state[b];
+            whole.keep(k, s);
+            before[k] = static_cast<std::int8_t>(bodies.halvings_of(b));
+            for (int i = 0; i < 3; ++i) {
+                N::add(s.d_w[i], N::part(N::sum(s.d_w[i]), part) - N::sum(s.d_w[i]));
+                if constexpr (rotation)
+                    if (spin_shrinks)
+                        s.t_b[i].add(N::part(N::sum(s.t_b[i]), N::fraction(spin_length)) - N::sum(s.t_b[i]));
+            }
+            scaled.keep(k, s);
+        }
+        spins_changed(group);
+
+        DriftSum fall[3];
+        for (int i = 0; i < 3; ++i) fall[i] = N::part(N::part(gravity_[i], part), part);
+        if constexpr (has_wrenches) over(group, info, fall, length, false, part);
+        else over(group, info, fall, length, false);
+
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            State& s = bodies.state[b];
+            if constexpr (Bodies::has_parts) {
+                for (int h = before[k]; h < bodies.halvings_of(b); ++h) {
+                    N::halve(whole.first()[k].t_b);
+                    N::halve(scaled.first()[k].t_b);
+                }
+            }
+            for (int i = 0; i < 3; ++i) {
+                const Work linear = N::metres(N::sum(s.d_w[i]) - N::sum(scaled[k].d_w[i]), bodies.scale) * inverse;
+                s.d_w[i] = whole[k].d_w[i];
+                N::add(s.d_w[i], N::drift_sum(linear, bodies.scale));
+                if constexpr (rotation) {
+                    const Work angular =
+                        N::half_turn(N::sum(s.t_b[i]) - N::sum(scaled[k].t_b[i]), bodies.scale) * spin_inverse;
+                    s.t_b[i] = whole[k].t_b[i];
+                    s.t_b[i].add(N::turn_sum(angular, bodies.scale));
+                }
+            }
+        }
+        spins_changed(group);
+    }
+};
+
+}  // namespace tumble
