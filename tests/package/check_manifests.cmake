@@ -96,10 +96,15 @@ function(check_version file stated)
         message(SEND_ERROR "${file}: version ${stated}, but include/tumble/version.hpp says ${version}")
     endif()
 endfunction()
+# The newest entry of the changelog states the bits of the headers; the newest release is their version.
 file(STRINGS ${KERNEL}/CHANGELOG.md entries REGEX "^## ")
-list(GET entries 0 entry)
-if(NOT entry STREQUAL "## ${version} (bits ${BITS})")
-    message(SEND_ERROR "CHANGELOG.md: its first entry is '${entry}', expected '## ${version} (bits ${BITS})'")
+list(GET entries 0 newest)
+list(FILTER entries EXCLUDE REGEX "^## Unreleased ")
+list(GET entries 0 release)
+if(NOT newest MATCHES "^## (Unreleased|${version}) \\(bits ${BITS}\\)$" OR
+        NOT release MATCHES "^## ${version} \\(bits [0-9]+\\)$")
+    message(SEND_ERROR "CHANGELOG.md: its entries begin with '${newest}' and '${release}', expected "
+        "'## Unreleased (bits ${BITS})' or '## ${version} (bits ${BITS})', and '## ${version} (bits ..)'")
 endif()
 
 # --- Zephyr -----------------------------------------------------------------------------------------------------------
