@@ -1,5 +1,5 @@
 // The contacts of a world by impulses. They own their step: the broad phase finds the pairs that may touch, bodies that
-// can touch nothing fly freely, the others step in islands, and islands that rest fall asleep (CONTACTS.md has the
+// can touch nothing fly freely, the others step in islands, and islands that rest fall asleep (SOLVER.md has the
 // stages). `Advance` moves the bodies; what is compiled for each method is here, and the islands' step is not.
 #pragma once
 
