@@ -22,7 +22,7 @@ struct Seconds {
 
 // A body as it is added to a world.
 struct BodySpec {
-    static constexpr std::uint16_t all_layers = 0xffff;
+    static constexpr std::uint16_t all_layers = 0xffff;  // BodySpec::layers of a body in every layer
 
     Shape shape{};                  // collides; none: collides with nothing
     Real mass = 1;                  // kg
