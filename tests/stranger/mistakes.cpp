@@ -16,6 +16,10 @@
 #define DRAG 12
 #define BOX_AS_POINT 13
 #define TURNTABLE 14
+#define TURNS_OF_A_LOAD 15
+#define COUPLES_ALONE 16
+#define SET_BODY_OF_A_LOAD 17
+#define LOAD_WITHOUT_FORCE 18
 
 using namespace tumble::literals;
 
@@ -34,6 +38,23 @@ struct Floats : tumble::Scene {
 #if MISTAKE == FLOAT_AS_NUMBERS
     using Numbers = float;
 #endif
+};
+
+struct Wind {
+    [[nodiscard]] bool acts_on(const auto&, int) const { return true; }
+#if MISTAKE != LOAD_WITHOUT_FORCE
+    void apply_to(const auto&) const {}
+#endif
+#if MISTAKE == TURNS_OF_A_LOAD
+    [[nodiscard]] bool turns(int) const { return true; }
+#elif MISTAKE == COUPLES_ALONE
+    [[nodiscard]] bool couples(const auto&, int) const { return true; }
+#elif MISTAKE == SET_BODY_OF_A_LOAD
+    void set_body(int) {}
+#endif
+};
+struct Windy : tumble::Scene {
+    using Loads = tumble::LoadList<Wind>;
 };
 
 constexpr tumble::BodySpec body() {
@@ -62,6 +83,7 @@ int main() {
     const tumble::BodyId id{0};
     tumble::World<Floor> floor{step};
     tumble::World<Floats> floats{step};
+    tumble::World<Windy> windy{step};
 #if MISTAKE == CONTROL
     prepared.set_torque(id, {1, 0, 0}, tumble::Frame::body);
 #elif MISTAKE == IMU
@@ -83,5 +105,7 @@ int main() {
 #elif MISTAKE == TWO_STEPS
     tumble::World<Stepped> world{step};
 #endif
-    return prepared.step().ok() && floor.step().ok() && floats.step().ok() && prepared.contains(id) ? 0 : 1;
+    return prepared.step().ok() && floor.step().ok() && floats.step().ok() && windy.step().ok() && prepared.contains(id)
+               ? 0
+               : 1;
 }

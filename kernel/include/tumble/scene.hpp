@@ -169,13 +169,15 @@ inline constexpr int times_in = (0 + ... + (std::is_same_v<Type, List> ? 1 : 0))
 
 }  // namespace detail
 
-// Loads that a program brings along, besides those of its scene's features: loads/loaded_group.hpp says what such a
+// Loads that a program brings along, besides those of its scene's features: loads/load.hpp says what such a
 // struct has.
 template <class... Loads>
 struct LoadList {
     static_assert(((detail::times_in<Loads, Loads...> == 1) && ...),
                   "a LoadList names each load once: for two of a kind, derive two structs from the load");
     static constexpr int count = sizeof...(Loads);  // number of loads
+    template <class Load>
+    static constexpr bool has = detail::times_in<Load, Loads...> == 1;  // it names the load
 };
 
 // The base of every scene type. Override the members that differ.

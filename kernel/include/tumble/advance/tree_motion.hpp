@@ -23,7 +23,7 @@ public:
     int add(const Spec& spec) requires(has_joints&& JointSpec<Spec>) {
         const int place = joints.add(spec, bodies);
         if constexpr (features.has_joint_springs()) {
-            using Springs = typename Loads::JointSpringsOfWorld;
+            using Springs = typename Loads::JointSprings;
             using Kind = JointKinds::Of<Spec>;
             constexpr auto along = Kind::slides == 1   ? Springs::Along::slide
                                    : Kind::slides == 2 ? Springs::Along::line

@@ -29,7 +29,7 @@ public:
         quadratic_[body] = N::template constant<Work>(quadratic);
     }
 
-    // As each load has it: loads/loaded_group.hpp. The next body at the place of a removed one has no drag.
+    // As each load has it: loads/load.hpp. The next body at the place of a removed one has no drag.
     constexpr void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
         if (spec.is_fixed()) linear_[b] = quadratic_[b] = Work(0);
     }

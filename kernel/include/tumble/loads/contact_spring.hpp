@@ -10,8 +10,7 @@
 // too.
 #pragma once
 
-#include <tumble/body/bodies.hpp>
-#include <tumble/loads/loaded_body.hpp>
+#include <tumble/loads/loaded_group.hpp>
 #include <tumble/shapes/layers.hpp>
 #include <tumble/shapes/pairs.hpp>
 #include <tumble/shapes/plane.hpp>
@@ -25,7 +24,6 @@ public:
     using C = ContactNumbers<N>;
     using Length = typename C::Length;
     using Bodies = tumble::Bodies<N, spin, features.bodies, features.mixed()>;
-    using Loaded = LoadedBody<N, true, features.mixed()>;
 
     constexpr ContactSprings(Real step, const WorldSpec& world) : ContactSprings(step, world.contact) {}
     constexpr ContactSprings(Real step, const ContactSpec& spec)
@@ -42,6 +40,9 @@ public:
     [[gnu::noinline]] constexpr void set_body(int b, const BodySpec& spec, const PrincipalInertia& inertia,
                                               Bodies& bodies) {
         if (!on_) return;
+        if constexpr (features.layers)
+            if (spec.layers == 0 && spec.shape.kind != ShapeKind::none)
+                return set_body(b, as_it_touches(spec), inertia, bodies);
         layers_.set(b, spec);
         const Real reach = reach_of(spec.shape);
         (void)shape_.make_room(reach);
@@ -76,15 +77,12 @@ public:
 
     // acts_on: the body may touch a plane or another body. couples: it may touch another body.
     [[nodiscard]] bool acts_on(const Bodies& bodies, int b) const {
-        return on_ && !shape_[b].is(ShapeKind::none) && (plane_count_ > 0 || couples(bodies, b));
+        return touches(b) && (plane_count_ > 0 || couples(bodies, b));
     }
     [[nodiscard]] bool couples(const Bodies&, int b) const {
         if constexpr (features.pairs) {
-            if (!on_ || !touches_bodies(shape_[b].kind)) return false;
-            for (int other = 0; other < features.bodies; ++other)
-                if (other != b && touches_bodies(shape_[other].kind) &&
-                    touching_meet(shape_[b].kind, shape_[other].kind) && layers_.meet(b, other))
-                    return true;
+            for (int other = 0; on_ && other < features.bodies; ++other)
+                if (other != b && meet(b, other)) return true;
         }
         return false;
     }
@@ -101,28 +99,80 @@ public:
         return step;
     }
 
-    // The contacts are on in this world.
-    [[nodiscard]] bool is_on() const { return on_; }
     [[nodiscard]] bool turns(const Bodies& bodies, int b) const { return acts_on(bodies, b); }
-    // Adds the forces of the contacts to the loaded bodies of a group. find(b) returns that of a body, or null where b
-    // is not in the group; other_end(b) returns it for a body outside the group too, such as a fixed one.
-    template <class Find, class OtherEnd>
-    TUMBLE_INLINE void apply_to(const BodyGroup<features.bodies>& group, Loaded* loaded, Bodies& bodies,
-                                const Find& find, const OtherEnd& other_end) const {
+    // Contacts wake no body.
+    void for_each_coupled(const Bodies&, int, auto&&) const {}
+    template <class Group>
+    TUMBLE_INLINE void apply_to(const Group& group) const {
+        if constexpr (Group::rotation)
+            if (on_) add_to(group);
+    }
+
+private:
+    // A body at a stage, and the sums of what its contacts do, in SI units and working numbers.
+    struct Loaded {
+        const StageState<N>* stage;
+        Quat<Work> q_wb;                // principal axes to world
+        WorkVec3<N> v_w, w_b;           // m/s, rad/s
+        WorkVec3<N> force_w, torque_b;  // N, N m about the centre of mass
+
+        template <class Group>
+        void set(const Group& group, int b, const StageState<N>& at) {
+            stage = &at;
+            q_wb = work_quaternion<N>(at.q_wb);
+            v_w = group.velocity_at(at);
+            w_b = group.spin_at(at, b);
+            force_w = torque_b = zero_vector<N>();
+        }
+        // m/s, world, of a point of the body (principal axes, m).
+        [[nodiscard]] WorkVec3<N> velocity_at(const WorkVec3<N>& r_b) const {
+            return v_w + rotate(q_wb, cross<Work>(w_b, r_b));
+        }
+        // Adds a force at a point of the body (principal axes, m).
+        void push(const WorkVec3<N>& f_w, const WorkVec3<N>& r_b) {
+            force_w += f_w;
+            torque_b += cross<Work>(r_b, rotate_back(q_wb, f_w));
+        }
+    };
+
+    template <class Group>
+    [[gnu::noinline]] void add_to(const Group& group) const {
+        using L = LoadNumbers<N>;
+        Bodies& bodies = group.bodies;
+        Loaded loaded[features.bodies], outside;  // a fixed body
+        StageState<N> stage_outside;
+        for (int k = 0; k < group.count; ++k)
+            if (touches(group.id[k])) loaded[k].set(group, group.id[k], group.stage[k]);
         for (int k = 0; k < group.count; ++k) {
             const int a = group.id[k];
             apply(loaded[k], a, bodies);
             for (int b = 0; features.pairs && b < bodies.count; ++b) {
-                if (b == a || (b < a && find(b) != nullptr)) continue;
-                apply(loaded[k], a, *other_end(b), b, bodies);
+                if (b == a || !meet(a, b)) continue;
+                const int other = group.place_of(b);
+                if (b < a && other >= 0) continue;
+                if (other < 0) outside.set(group, b, stage_outside = stage_of(bodies.state[b]));
+                apply(loaded[k], a, other < 0 ? outside : loaded[other], b, bodies);
             }
         }
+        for (int k = 0; k < group.count; ++k) {
+            const int b = group.id[k];
+            if (!touches(b)) continue;
+            const auto& body = bodies.constants[b];
+            const Work linear = body.drift_per_impulse() * group.seconds;
+            for (int i = 0; i < 3; ++i) L::add(group.kick[k].linear, i, loaded[k].force_w[i] * linear, bodies.scale);
+            for (int i = 0; i < 3 && group.rotates(k); ++i)
+                L::add(group.kick[k].angular, i, loaded[k].torque_b[i] * (body.units.per_impulse(i) * group.seconds),
+                       bodies.scale);
+        }
     }
-
-private:
+    // True of two bodies that touch each other where they meet.
+    [[nodiscard]] bool meet(int a, int b) const {
+        return touches_bodies(shape_[a].kind) && touches_bodies(shape_[b].kind) &&
+               touching_meet(shape_[a].kind, shape_[b].kind) && layers_.meet(a, b);
+    }
     // A body against every plane.
     void apply(Loaded& body, int b, Bodies& bodies) const {
-        if (!on_ || shape_[b].is(ShapeKind::none)) return;
+        if (!touches(b)) return;
         const CollisionShape<N>& shape = shape_[b];
         for (int p = 0; p < plane_count_; ++p) {
             const HalfSpace<N>& plane = plane_[p];
@@ -148,8 +198,6 @@ private:
     // Two bodies.
     void apply(Loaded& a, int index_a, Loaded& b, int index_b, Bodies& bodies) const {
         const CollisionShape<N>&shape_a = shape_[index_a], &shape_b = shape_[index_b];
-        if (!on_ || !touches_bodies(shape_a.kind) || !touches_bodies(shape_b.kind)) return;
-        if (!touching_meet(shape_a.kind, shape_b.kind) || !layers_.meet(index_a, index_b)) return;
         WorkVec3<N> apart;
         for (int i = 0; i < 3; ++i) apart[i] = N::apart(a.stage->x_w[i], b.stage->x_w[i]);
         const Work square = dot(apart, apart), distance = sqrt(square), touch = radius_[index_a] + radius_[index_b];

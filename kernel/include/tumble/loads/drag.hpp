@@ -49,6 +49,8 @@ struct Drag {
     [[nodiscard]] bool acts_on(const auto& bodies, int b) const { return linear > Work{} || turns(bodies, b); }
     [[nodiscard]] bool turns(const auto& bodies, int b) const { return bodies.rotates(b) && angular > Work{}; }
     [[nodiscard]] bool depends_on_velocity() const { return linear > Work{} || angular > Work{}; }
+    // Whether a translation of the body is damped.
+    [[nodiscard]] int dampers_at(int) const { return linear > Work{} ? 1 : 0; }
     // The change of drift is -h c/m times the drift, and that of a half turn -h c/I times the half turn.
     template <class Group>
     TUMBLE_INLINE void apply_to(const Group& group) const {

@@ -24,7 +24,7 @@ public:
         strength_ = N::template constant<Work>(rate * rate * Real{3});
     }
 
-    // As each load has it: loads/loaded_group.hpp.
+    // As each load has it: loads/load.hpp.
     constexpr void set_body(int b, const BodySpec& spec, const PrincipalInertia& inertia, const auto&) {
         for (int i = 0; i < 3; ++i)
             excess_[b][i] =

@@ -65,7 +65,7 @@ public:
             }
     }
 
-    // As each load has it: loads/loaded_group.hpp.
+    // As each load has it: loads/load.hpp.
     [[nodiscard]] bool acts_on(const auto&, int b) const { return acts_[b]; }
     // Likewise.
     [[nodiscard]] bool turns(const auto&, int b) const { return acts_[b]; }
@@ -121,14 +121,9 @@ private:
                 return;
             }
             const auto& stage = group.stage[place];
-            const Work rate =
-                group.whole ? group.steps_per_second : group.steps_per_second * Group::L::work(group.per_length);
             axes = Axes<N>::of(stage.q_wb);
-            for (int i = 0; i < 3; ++i) {
-                spin_b[i] = N::half_turn(stage.t_b[i], group.bodies.scale) *
-                            group.bodies.constants[of.body].units.rate(i, rate);
-                velocity[i] = N::metres(stage.d_w[i], group.bodies.scale) * rate;
-            }
+            spin_b = group.spin_at(stage, of.body);
+            velocity = group.velocity_at(stage);
         }
         [[nodiscard]] Direction axis(int k) const {
             const Direction own{side.axis[k]};

@@ -1,20 +1,5 @@
 // LoadedGroup: the bodies of one evaluation as loads see them, at a stage of a step, and the sums of what the loads
 // change. A load adds its change of drift (m) and of half a turn (rad) in a step.
-//
-// A load is a struct, of the kernel or of a program. Its functions, all const but set_body:
-//   acts_on(bodies, b)                 true of a body that feels it in this step
-//   turns(bodies, b)                   only where it changes or asks for an orientation or a spin: true of such a body
-//   apply_to(group)                    pushes and turns the bodies of a LoadedGroup, also those on which only other
-//                                      loads act. Where Group::rotation is false, there is no orientation, and nothing
-//                                      turns
-//   couples(bodies, b), for_each_coupled(bodies, b, f)   only where a body feels another that moves
-//   depends_on_velocity()              only where it may depend on a velocity or a spin
-//   set_body(b, spec, inertia, bodies) only where it keeps something of each body; called when a body is added, and
-//                                      with a fixed body when one is removed; constexpr where the compiler sets up the
-//                                      world
-//   each(load, archive)                only where snapshots hold values of it; static: archive(load.a, ...)
-// acts_on, turns and couples may change from step to step. The forces depend on the stage and on the load's own members
-// alone, which World::change_load() changes: methods keep the last forces of a step for the next one.
 // The functions of a group with vectors of working numbers are the simplest: SI units, and the user's body axes. Those
 // of blocks and factors (numbers/load_numbers.hpp) are the fastest.
 #pragma once
@@ -109,6 +94,22 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
             L::add(kick[k].angular[i], v, i, L::product(f, half_turn_per_impulse(k, i)), bodies.scale);
     }
 
+    // At a stage of a body: m/s, world.
+    [[nodiscard]] WorkVec3<N> velocity_at(const Stage& s) const {
+        const Work per_second = rate();
+        WorkVec3<N> v;
+        for (int i = 0; i < 3; ++i) v[i] = N::metres(s.d_w[i], bodies.scale) * per_second;
+        return v;
+    }
+    // rad/s, principal axes.
+    [[nodiscard]] WorkVec3<N> spin_at(const Stage& s, int b) const requires(rotation) {
+        const Work per_second = rate();
+        WorkVec3<N> w;
+        for (int i = 0; i < 3; ++i)
+            w[i] = N::half_turn(s.t_b[i], bodies.scale) * bodies.constants[b].units.rate(i, per_second);
+        return w;
+    }
+
     // --- in working numbers, SI units and the user's body axes ---------------------------------------------------
 
     // m, world.
@@ -119,10 +120,8 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
     }
     // m/s, world.
     [[nodiscard]] Vector3<Work> velocity(int k) const {
-        const Work per_second = rate();
-        Vector3<Work> v;
-        for (int i = 0; i < 3; ++i) v[i] = N::metres(stage[k].d_w[i], bodies.scale) * per_second;
-        return v;
+        const WorkVec3<N> v = velocity_at(stage[k]);
+        return {v[0], v[1], v[2]};
     }
     // From the body's axes to the world's.
     [[nodiscard]] Quaternion<Work> orientation(int k) const requires(rotation) {
@@ -130,11 +129,8 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
     }
     // rad/s.
     [[nodiscard]] Vector3<Work> angular_velocity(int k) const requires(rotation) {
-        const Work per_second = rate();
-        Vector3<Work> w;
-        for (int i = 0; i < 3; ++i)
-            w[i] = N::half_turn(stage[k].t_b[i], bodies.scale) * bodies.constants[id[k]].units.rate(i, per_second);
-        return rotate(plain(bodies.constants[id[k]].principal()), w);
+        const WorkVec3<N> w = spin_at(stage[k], id[k]);
+        return rotate(plain(bodies.constants[id[k]].principal()), Vector3<Work>{w[0], w[1], w[2]});
     }
     // A force, N, world.
     void push(int k, const Vector3<Work>& force) const { push(k, block(force), L::factor(seconds)); }

@@ -25,7 +25,7 @@ public:
         for (int i = 0; i < 3; ++i) momentum_[body][i] = static_cast<Work>(momentum[i]);
     }
 
-    // As each load has it: loads/loaded_group.hpp. The next body at the place of a removed one has no wheels.
+    // As each load has it: loads/load.hpp. The next body at the place of a removed one has no wheels.
     constexpr void set_body(int b, const BodySpec& spec, const auto&, const auto&) {
         if (spec.is_fixed()) momentum_[b] = {};
     }
