@@ -63,7 +63,7 @@ public:
         refuse_to_record();
         TUMBLE_ASSERT(!length.is_negative());
         for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
-        advance_.loads.set_softening(length);
+        advance_.loads.gravitation().set_softening(length);
     }
 
     // Adds a body at the first free place; false (and Issue::world_full) when there is no room. Mass and moments must
@@ -411,7 +411,7 @@ public:
     }
     // The largest safe step for contacts by springs, s; zero where they do not limit the step.
     [[nodiscard]] Real largest_safe_step() const {
-        if constexpr (features.springs_touch()) return advance_.loads.largest_safe_step();
+        if constexpr (features.springs_touch()) return advance_.loads.contacts().largest_safe_step();
         else return {};
     }
     // Number of near pairs, of a body and a plane or of two bodies. Features::near_pairs is the room for them.

@@ -39,7 +39,10 @@ public:
         spin_changed(b);
         disturb();
         if constexpr (has_loads) loads.set_body(b, spec, inertia, bodies);
-        if constexpr (features.drag) loads.check_drag(b, spec, inertia, bodies, step_bounds);
+        if constexpr (features.drag)
+            if (!spec.is_fixed() &&
+                loads.drag().is_too_strong(spec, inertia, bodies.rotates(b), step_bounds.of_damper[1]))
+                bodies.report(Issue::step_too_long, b);
     }
     // Leaves a place without a body, and removes its springs.
     void remove(int b) {

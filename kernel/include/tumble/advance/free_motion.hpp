@@ -82,7 +82,7 @@ public:
     TUMBLE_INLINE void coast(int b, const DriftSum (&fall)[3]) {
         State& s = bodies.state[b];
         if constexpr (dragged) {
-            const auto& form = loads.closed_form(b);
+            const auto& form = loads.drag().closed_form(b);
             for (int i = 0; i < 3; ++i) {
                 const DriftSum kick = whole(fall[i]) - LoadNumbers<N>::share(N::sum(s.d_w[i]), form.share);
                 N::coast(s.x_w[i], s.d_w[i], N::part(kick, form.of_way), bodies.scale);

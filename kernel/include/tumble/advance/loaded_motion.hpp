@@ -92,7 +92,8 @@ public:
     static constexpr bool drags_in_closed_form = features.drag && Integrator::order >= 2;
     // True of a body of which linear drag is the only load, and which moves by its closed form.
     [[nodiscard]] TUMBLE_INLINE bool is_dragged_alone([[maybe_unused]] int b) const {
-        if constexpr (drags_in_closed_form) return loads.closed_form(b).exists && loads.is_only_dragged(bodies, b);
+        if constexpr (drags_in_closed_form)
+            return loads.drag().closed_form(b).exists && loads.is_only_dragged(bodies, b);
         else return false;
     }
 

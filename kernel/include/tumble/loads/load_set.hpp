@@ -100,32 +100,20 @@ public:
         if constexpr (features.gravitation) get<Gravitation>().remove(b);
         if constexpr (features.springs > 0) get<Springs>().remove_from(b);
     }
-    constexpr void set_softening(Real length) requires(features.gravitation&& features.softening) {
-        get<Gravitation>().set_softening(length);
+    // Those of the kernel, where there are any.
+    [[nodiscard]] constexpr auto& gravitation() { return get<Gravitation>(); }
+    [[nodiscard]] constexpr const auto& gravitation() const { return get<Gravitation>(); }
+    [[nodiscard]] constexpr auto& contacts() { return get<Contacts>(); }
+    [[nodiscard]] constexpr const auto& contacts() const { return get<Contacts>(); }
+    [[nodiscard]] constexpr auto& joint_springs() { return get<JointSprings>(); }
+    [[nodiscard]] constexpr const auto& joint_springs() const { return get<JointSprings>(); }
+    [[nodiscard]] constexpr const auto& springs() const { return get<Springs>(); }
+    // Without drag: something without coefficients.
+    [[nodiscard]] constexpr const auto& drag() const {
+        if constexpr (features.drag) return get<Drag>();
+        else return loads_;
     }
-    [[nodiscard]] Work softening() const requires(features.gravitation&& features.softening) {
-        return get<Gravitation>().softening();
-    }
-    // True of a body that planes and bodies touch by springs, if there are any.
-    [[nodiscard]] constexpr bool touches(int b) const requires(features.springs_touch()) {
-        return get<Contacts>().touches(b);
-    }
-    // False when there is no room.
-    constexpr bool add(const PlaneSpec& spec, Bodies& bodies) requires(features.springs_touch()) {
-        return get<Contacts>().add(spec, bodies);
-    }
-    [[nodiscard]] constexpr int plane_count() const requires(features.springs_touch()) {
-        return get<Contacts>().plane_count();
-    }
-    // Those of the joints.
-    [[nodiscard]] auto& joint_springs() requires(features.has_joint_springs()) { return get<JointSprings>(); }
-    [[nodiscard]] const auto& joint_springs() const requires(features.has_joint_springs()) {
-        return get<JointSprings>();
-    }
-    [[nodiscard]] constexpr int spring_count() const requires(features.springs > 0) { return get<Springs>().count(); }
-    [[nodiscard]] Real largest_safe_step() const requires(features.springs_touch()) {
-        return get<Contacts>().largest_safe_step();
-    }
+
     // Adds a spring; false when there is no room. Reports a step that is surely too long for the spring, together with
     // the springs, dampers and drag beside it.
     [[gnu::noinline, gnu::cold]] constexpr bool add(const SpringSpec& spec, Bodies& bodies,
@@ -138,12 +126,6 @@ public:
             break;
         }
         return true;
-    }
-    // Reports a step that is too long for the drag of a body that has been added.
-    constexpr void check_drag(int b, const BodySpec& spec, const PrincipalInertia& inertia, Bodies& bodies,
-                              const StepBounds& bounds) const requires(features.drag) {
-        if (!spec.is_fixed() && get<Drag>().is_too_strong(spec, inertia, bodies.rotates(b), bounds.of_damper[1]))
-            bodies.report(Issue::step_too_long, b);
     }
     // Calls changed(body) for every force that acts in step `now`.
     template <class F>
@@ -158,8 +140,6 @@ public:
     [[nodiscard]] bool is_loaded(const Bodies& bodies, int b) const {
         return any([&](const auto& load) { return load.acts_on(bodies, b); });
     }
-    // The motion of a body under linear drag, where there is a closed form.
-    [[nodiscard]] const auto& closed_form(int b) const requires(features.drag) { return get<Drag>().closed_form(b); }
     // True of a body on which no other load acts than linear drag.
     [[nodiscard]] bool is_only_dragged(const Bodies& bodies, int b) const requires(features.drag) {
         return !any([&]<class Load>(const Load& load) {
@@ -312,11 +292,6 @@ private:
     template <class Load>
     [[nodiscard]] TUMBLE_INLINE constexpr const Load& get() const {
         return Loads::template get<Load>(loads_);
-    }
-    // What the drag has of coefficients.
-    [[nodiscard]] constexpr const auto& drag() const {
-        if constexpr (features.drag) return get<Drag>();
-        else return loads_;
     }
     // Calls ask(load) for each load, in the order of the sum, until it is true.
     template <class F>

@@ -144,7 +144,7 @@ protected:
     [[nodiscard]] bool touches([[maybe_unused]] int b) const {
         if constexpr (has_contacts)
             if (contacts_.touches(b)) return true;
-        if constexpr (features.springs_touch()) return advance_.loads.touches(b);
+        if constexpr (features.springs_touch()) return advance_.loads.contacts().touches(b);
         else return false;
     }
 

@@ -39,10 +39,10 @@ protected:
             for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
         }
         if constexpr (features.springs_touch())
-            detail::run_once([&] { added = advance_.loads.add(spec, advance_.bodies) && added; });
+            detail::run_once([&] { added = advance_.loads.contacts().add(spec, advance_.bodies) && added; });
         advance_.disturb();
         if constexpr (has_contacts) count = contacts_.plane_count();
-        else if constexpr (features.springs_touch()) count = advance_.loads.plane_count();
+        else if constexpr (features.springs_touch()) count = advance_.loads.contacts().plane_count();
         if (added) note(spec);
         return added ? PlaneId{count - 1} : PlaneId{};
     }
@@ -60,7 +60,7 @@ protected:
             disturb(spec.body);
             if (spec.to_body >= 0) disturb(spec.to_body);
         }
-        return SpringId{advance_.loads.spring_count() - 1};
+        return SpringId{advance_.loads.springs().count() - 1};
     }
     template <JointSpec Spec>
     JointId add(const Spec& spec) requires(features.has_joints()) {

@@ -62,7 +62,7 @@ private:
     [[nodiscard]] std::uint64_t scene_digest(SnapshotPart part) const requires(features.snapshots) {
         detail::Digest digest = digest_;
         if constexpr (features.gravitation && features.softening)
-            if (advance_.loads.softening() > Work(0)) digest.add_number(advance_.loads.softening());
+            if (const Work e = advance_.loads.gravitation().softening(); e > Work(0)) digest.add_number(e);
         if (part == SnapshotPart::bodies) return digest.value();
         digest.add(Integrator::name);
         Features::for_each([&](const char*, auto member) { digest.add(static_cast<int>(features.*member)); });
