@@ -59,10 +59,6 @@ protected:
             EXPECT_TRUE(world.add(wall(0, 0, side, 1)));
         }
     }
-    [[nodiscard]] static BodySpec at(BodySpec body, double x, double y, double z) {
-        body.position = {x, y, z};
-        return body;
-    }
     // Bodies of up to this ratio of masses, turned and thrown about. Cubes and balls keep the energy of their spin to
     // rounding; boxes do not roll away.
     enum class Bodies { boxes, cubes_and_balls };
@@ -82,7 +78,7 @@ protected:
     }
     static void add_stack(auto& world, int boxes, double gap) {
         ASSERT_TRUE(world.add(PlaneSpec{}));
-        for (int i = 0; i < boxes; ++i) ASSERT_TRUE(world.add(at(box(10, {1, 1, 1}), 0, 0.5 + i + gap * (i + 1), 0)));
+        for (int i = 0; i < boxes; ++i) ASSERT_TRUE(world.add(at(box(10, {1, 1, 1}), {0, 0.5 + i + gap * (i + 1), 0})));
     }
     [[nodiscard]] static std::vector<BodyId> ids(const World& world) {
         std::vector<BodyId> ids;
@@ -263,7 +259,7 @@ TYPED_TEST(BoundedSteps, let_a_box_slide_and_bounce_by_the_laws_of_friction_and_
     for (const double restitution : {0.0, 0.5, 1.0}) {
         typename TestFixture::World world{Seconds{1, 256}, this->with(0, restitution, 0)};
         ASSERT_TRUE(world.add(PlaneSpec{}));
-        const BodyId id = world.add(this->at(box(2, {1, 0.25, 1}), 0, 1.125, 0));
+        const BodyId id = world.add(at(box(2, {1, 0.25, 1}), {0, 1.125, 0}));
         double highest = 0;
         bool hit = false;
         for (int step = 0; step < 256; ++step) {
@@ -291,13 +287,13 @@ TYPED_TEST(BoundedSteps, bounce_without_loss_at_restitution_one) {
         typename TestFixture::World world{Seconds{1, 60}, this->with(0, 1, 0, false)};
         const double speed = random.uniform(0.5, 4), aside = random.uniform(0, 0.15);
         if (scene % 2 == 0) {  // two balls, oblique
-            BodySpec ball = this->at(sphere(1, Real{0.1}), -1, aside, 0);
+            BodySpec ball = at(sphere(1, Real{0.1}), {-1, aside, 0});
             ball.velocity = {speed, 0, 0};
             (void)world.add(ball);
-            (void)world.add(this->at(sphere(random.uniform(0.5, 2), Real{0.1}), 0, 0, 0));
+            (void)world.add(at(sphere(random.uniform(0.5, 2), Real{0.1}), {0, 0, 0}));
         } else {  // a box, flat on a plane
             ASSERT_TRUE(world.add(PlaneSpec{}));
-            BodySpec body = this->at(box(random.uniform(0.5, 2), {0.5, 0.25, 0.75}), 0, 0.625, 0);
+            BodySpec body = at(box(random.uniform(0.5, 2), {0.5, 0.25, 0.75}), {0, 0.625, 0});
             body.velocity = {0, -speed, 0};
             (void)world.add(body);
         }
@@ -343,7 +339,7 @@ TYPED_TEST(BoundedSteps, set_boxes_of_any_shape_down_where_they_are) {
                 std::vector<Vector> places;
                 for (int i = 0; i < 8; ++i) {
                     const auto aside = [&] { return off * random.uniform(-1, 1); };
-                    BodySpec body = this->at(box(1, {x, y, z}), aside(), y / 2 + gap + i * (y + gap), aside());
+                    BodySpec body = at(box(1, {x, y, z}), {aside(), y / 2 + gap + i * (y + gap), aside()});
                     body.orientation = {1, {0, 2.5 * aside(), 0}};
                     places.push_back({static_cast<double>(body.position.x), 0, static_cast<double>(body.position.z)});
                     ASSERT_TRUE(world.add(body));
@@ -367,8 +363,7 @@ TYPED_TEST(BoundedSteps, are_taken_by_many_and_told) {
         auto world = std::make_unique<typename TestFixture::World>(Seconds{1, 64}, this->with(exact_bodies, 0.5, 0.5));
         EXPECT_TRUE(world->add(PlaneSpec{}));
         for (int i = 0; i < boxes + balls; ++i)
-            EXPECT_TRUE(
-                world->add(this->at(i < boxes ? box(1, {1, 1, 1}) : sphere(1, 0.5), 0.03 * i, 0.75 + 1.1 * i, 0)));
+            EXPECT_TRUE(world->add(at(i < boxes ? box(1, {1, 1, 1}) : sphere(1, 0.5), {0.03 * i, 0.75 + 1.1 * i, 0})));
         bool any = false;
         for (int step = 0; step < 64; ++step) {
             (void)world->step();
@@ -395,8 +390,8 @@ TYPED_TEST(BoundedSteps, let_a_body_slide_over_the_seams_of_others) {
             floor.offset = 0.25;
             ASSERT_TRUE(world.add(floor));
             for (int i = 0; i < 12; ++i)
-                ASSERT_TRUE(world.add(this->at(box(1, {0.5, 0.25, 1}), 0.5 * i - 0.25, -0.125, 0)));
-            BodySpec body = this->at(ball ? sphere(1, 0.1) : box(1, {0.2, 0.2, 0.2}), 0, 0.1, 0.1);
+                ASSERT_TRUE(world.add(at(box(1, {0.5, 0.25, 1}), {0.5 * i - 0.25, -0.125, 0})));
+            BodySpec body = at(ball ? sphere(1, 0.1) : box(1, {0.2, 0.2, 0.2}), {0, 0.1, 0.1});
             body.velocity.x = speed;
             ASSERT_TRUE(world.add(body));
             const double time = 5 / speed < 1 ? 0.75 : 1;
@@ -492,7 +487,7 @@ TYPED_TEST(BoundedSteps, carry_a_stack_on_what_moves) {
     lift.velocity = {0.5, 0.25, 0};
     const BodyId carrier = world.add(lift);
     for (int i = 0; i < 3; ++i) {
-        BodySpec body = this->at(box(1, {0.5, 0.5, 0.5}), 0, 0.25 + 0.5 * i, 0);
+        BodySpec body = at(box(1, {0.5, 0.5, 0.5}), {0, 0.25 + 0.5 * i, 0});
         body.velocity = lift.velocity;
         (void)world.add(body);
     }
@@ -517,7 +512,7 @@ TYPED_TEST(BoundedSteps, are_pushed_and_lifted_by_what_moves) {
         pusher.kinematic = true;
         pusher.velocity = {speed, 0, 0};
         (void)world.add(pusher);
-        for (int i = 0; i < 3; ++i) (void)world.add(this->at(box(1, {0.5, 0.5, 0.5}), 0.51 + 0.51 * i, 0, 0));
+        for (int i = 0; i < 3; ++i) (void)world.add(at(box(1, {0.5, 0.5, 0.5}), {0.51 + 0.51 * i, 0, 0}));
         for (int step = 0; step < 64; ++step) (void)world.step();
         for (int b = 1; b < 4; ++b) EXPECT_LE(std::abs(this->velocity(world, BodyId{b}).x - speed), 0.01) << speed;
         EXPECT_LE(this->deepest(world), static_cast<double>(tolerance::contact_band)) << speed;
@@ -528,7 +523,7 @@ TYPED_TEST(BoundedSteps, are_pushed_and_lifted_by_what_moves) {
         lift.kinematic = true;
         lift.position = {0, -0.25, 0};
         const BodyId carrier = world.add(lift);
-        for (int i = 0; i < 3; ++i) (void)world.add(this->at(box(1, {0.5, 0.5, 0.5}), 0, 0.25 + 0.5 * i, 0));
+        for (int i = 0; i < 3; ++i) (void)world.add(at(box(1, {0.5, 0.5, 0.5}), {0, 0.25 + 0.5 * i, 0}));
         for (int step = 0; step < 32; ++step) (void)world.step();
         world.set_velocity(carrier, {0, static_cast<float>(speed), 0});
         for (int step = 0; step < 64; ++step) (void)world.step();
@@ -546,8 +541,8 @@ TYPED_TEST(BoundedSteps, part_what_overlaps_and_touch_nothing_that_is_apart) {
         typename TestFixture::World world{Seconds{1, 60}, this->with(0, 0, 0.5)};
         ASSERT_TRUE(world.add(PlaneSpec{}));
         for (int i = 0; i < 6; ++i)  // side by side, or as a stack
-            (void)world.add(gap > 0 ? this->at(box(1, {0.5, 0.5, 0.5}), (0.5 + gap) * i, 0.25, 0)
-                                    : this->at(box(1, {0.5, 0.5, 0.5}), 0, 0.25 + gap + (0.5 + gap) * i, 0));
+            (void)world.add(gap > 0 ? at(box(1, {0.5, 0.5, 0.5}), {(0.5 + gap) * i, 0.25, 0})
+                                    : at(box(1, {0.5, 0.5, 0.5}), {0, 0.25 + gap + (0.5 + gap) * i, 0}));
         for (int step = 0; step < 120; ++step) (void)world.step();
         EXPECT_TRUE(this->stands(world)) << gap;
         EXPECT_LE(this->deepest(world), 0.6 * static_cast<double>(tolerance::contact_band)) << gap;
@@ -564,8 +559,8 @@ TYPED_TEST(BoundedSteps, stop_what_is_pushed_at_a_thin_wall) {
         thin.fixed = true;
         (void)world.add(thin);
         // A heavy box at 12 m/s and a light ball between the two.
-        BodySpec ball = this->at(sphere(Real{0.1}, Real{0.1}), 0.11 + gap, 0, 0),
-                 hammer = this->at(box(50, {0.5, 0.5, 0.5}), 0.7 + gap, 0, 0);
+        BodySpec ball = at(sphere(Real{0.1}, Real{0.1}), {0.11 + gap, 0, 0}),
+                 hammer = at(box(50, {0.5, 0.5, 0.5}), {0.7 + gap, 0, 0});
         hammer.velocity = {-12, 0, 0};
         const BodyId light = world.add(ball);
         (void)world.add(hammer);

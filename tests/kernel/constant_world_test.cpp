@@ -178,11 +178,15 @@ void expect_the_bits_of_run_time(int steps) {
     EXPECT_EQ(world.hash(), (constant_contacts<N, what>.hash()));
     EXPECT_EQ(hash_after(world, steps), hash_after(constant_contacts<N, what>, steps));
 }
-TEST(ConstantWorld, a_box_on_planes_that_the_compiler_set_up_has_the_bits_of_one_set_up_at_run_time) {
+
+template <class N>
+class ConstantWorldIn : public testing::Test {};
+using ConstantSystems = Tested<testing::Types<Q32<NearRange>>, testing::Types<F32, Q32<NearRange, false>, F64>>;
+TYPED_TEST_SUITE(ConstantWorldIn, ConstantSystems);
+
+TYPED_TEST(ConstantWorldIn, a_box_on_planes_that_the_compiler_set_up_has_the_bits_of_one_set_up_at_run_time) {
     constexpr Features what{.planes = 2, .boxes = true, .friction = true, .sleep = true};
-    expect_the_bits_of_run_time<Q32<NearRange>, what>(1000);
-    expect_the_bits_of_run_time<F32, what>(1000);
-    expect_the_bits_of_run_time<F64, what>(1000);
+    expect_the_bits_of_run_time<TypeParam, what>(1000);
 }
 // Other tests compare the steps of such worlds.
 TEST(ConstantWorld, the_compiler_sets_up_a_world_with_every_feature_of_contacts) {
@@ -393,10 +397,6 @@ constexpr auto set_up_springs_that_touch() {
 template <class N>
 constinit auto constant_springs_that_touch = set_up_springs_that_touch<N>();
 
-template <class N>
-class ConstantLoads : public testing::Test {};
-using SystemsWithLoads = Tested<testing::Types<Q32<NearRange>>, testing::Types<F32, Q32<NearRange, false>, F64>>;
-TYPED_TEST_SUITE(ConstantLoads, SystemsWithLoads);
 // Springs, orbits, forces and events keep blocks, which the compiler sets up in fixed point only.
 template <class N>
 class ConstantBlocks : public testing::Test {};
@@ -418,7 +418,7 @@ TYPED_TEST(ConstantBlocks, every_load_that_the_compiler_set_up_has_the_bits_of_o
         EXPECT_NE(other->world().hash(), replay->world().hash()) << without;
     }
 }
-TYPED_TEST(ConstantLoads, drag_and_gravitation_that_the_compiler_set_up_have_the_bits_of_some_set_up_at_run_time) {
+TYPED_TEST(ConstantWorldIn, drag_and_gravitation_that_the_compiler_set_up_have_the_bits_of_some_set_up_at_run_time) {
     auto world = set_up_loads_without_blocks<TypeParam>();
     auto& constant = constant_loads_without_blocks<TypeParam>;
     for (int i = 0; i < 300; ++i) {
@@ -431,7 +431,7 @@ TYPED_TEST(ConstantLoads, drag_and_gravitation_that_the_compiler_set_up_have_the
         EXPECT_NE(hash_after(other, 300), world.hash()) << without;
     }
 }
-TYPED_TEST(ConstantLoads, contacts_by_springs_that_the_compiler_set_up_have_the_bits_of_some_set_up_at_run_time) {
+TYPED_TEST(ConstantWorldIn, contacts_by_springs_that_the_compiler_set_up_have_the_bits_of_some_set_up_at_run_time) {
     auto world = set_up_springs_that_touch<TypeParam>();
     auto& constant = constant_springs_that_touch<TypeParam>;
     EXPECT_EQ(world.largest_safe_step(), constant.largest_safe_step());

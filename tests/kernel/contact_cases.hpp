@@ -147,6 +147,34 @@ inline bool collide(Struck& a, Struck& b, Vector n, Number restitution, Number f
     return sticks;
 }
 
+// The largest distance of a body from where it was put, m.
+[[nodiscard]] inline Number farthest_from_start(const AnyWorld& world, const SceneSetup& setup) {
+    Number largest = 0;
+    for (int b = 0; b < world.body_count(); ++b)
+        largest =
+            std::max(largest, norm(world.motion(b).x - vector(setup.bodies[static_cast<std::size_t>(b)].position)));
+    return largest;
+}
+
+// Directions that are not axes of the world, and one that is.
+inline const Vector normals[] = {{0, 1, 0}, {-1, 0, 0}, {0.6L, 0, -0.8L}, {2 / 7.0L, -3 / 7.0L, 6 / 7.0L}};
+
+// A plane through the origin, without gravity.
+[[nodiscard]] inline SceneSetup plane(Vector n, Number restitution, std::vector<BodySpec> bodies) {
+    SceneSetup setup = space(restitution, 0, std::move(bodies));
+    setup.planes = {{.normal = real(n)}};
+    return setup;
+}
+[[nodiscard]] inline BodySpec standing(const BodySpec& body, Number x, Number height, Vector velocity = {},
+                                       Vector spin = {}) {
+    return placed(body, {x, height, 0}, velocity, spin);
+}
+// With the rounding of impulses, relative to a speed of a few metres per second.
+class ImpactCases : public CaseTest {
+protected:
+    static Bound rounding() { return tolerance::contact_impulse.of(system()); }
+};
+
 // Steps until an impulse has changed the body's velocity; for scenes without loads.
 [[nodiscard]] inline bool step_to_impact(AnyWorld& world, int body, int most = 1024) {
     const Vector before = world.motion(body).v;

@@ -4,14 +4,7 @@
 namespace tumble::test {
 namespace {
 
-class Contacts : public CaseTest {
-protected:
-    // 0.1 m above the floor: a bounce takes 0.29 s.
-    static SceneSetup elastic_ball() {
-        SceneSetup setup = floor(1, 0, {placed(sphere(1, 0.5), {0, 0.6015625, 0})});
-        return setup;
-    }
-};
+class Contacts : public CaseTest {};
 INSTANTIATE_TEST_SUITE_P(every, Contacts, testing::ValuesIn(every_case()), NameOf{});
 
 // The largest relative error of the first ten apex heights of a ball dropped from 1 m. During flight the energy gives
@@ -46,32 +39,6 @@ TEST_P(Contacts, a_ball_bounces_to_its_heights) {
     }
 }
 
-// An elastic ball, dropped from 0.1 m, bounces `wanted` times and never gains energy.
-void bounce_without_gain(AnyWorld& world, const Case& c, int wanted) {
-    const Number start = g * 0.1015625L;
-    Number greatest = 0, least = 1e9L;
-    int bounces = 0;
-    bool falling = true;
-    for (int step = 0; bounces < wanted && step < 100 * wanted; ++step) {
-        world.step();
-        const Motion m = world.motion(0);
-        if (falling && m.v.y > 0) ++bounces;
-        falling = m.v.y <= 0;
-        const Number energy = g * (m.x.y - 0.5L) + dot(m.v, m.v) / 2;
-        greatest = std::max(greatest, energy);
-        least = std::min(least, energy);
-    }
-    std::printf("%s: %d elastic bounces, energy from %+.2Lg to %+.2Lg\n", name_of(c).c_str(), bounces,
-                least / start - 1, greatest / start - 1);
-    EXPECT_EQ(bounces, wanted);
-    EXPECT_LE(greatest / start - 1, tolerance::elastic_gain.of(c.system));
-}
-
-TEST_P(Contacts, an_elastic_ball_never_gains_energy_in_a_thousand_bounces) {
-    if (order() < 2) GTEST_SKIP() << "falls with the error of order 1";
-    bounce_without_gain(*build(elastic_ball(), GetParam()), GetParam(), 1000);
-}
-
 TEST_P(Contacts, a_ball_comes_to_rest_and_stays) {
     for (const Number restitution : {0.0L, 0.5L, 0.9L}) {
         const auto world = run(floor(restitution, 0, {placed(sphere(1, 0.5), {0, 1, 0})}), 256 * 20);
@@ -101,16 +68,6 @@ TEST_P(Contacts, a_ball_pressed_down_by_a_force_rests_too) {
     EXPECT_LE(norm(world->motion(0).v),
               order() == 1 ? tolerance::pressed_hop.of(system()) * step_speed : tolerance::rest_speed.of(system()));
     EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L), tolerance::place.of(system()));
-}
-
-TEST_P(Contacts, too_many_impacts_in_a_step_are_reported) {
-    SceneSetup setup = floor(1);
-    setup.world.gravity = {};
-    setup.planes = {{}, {.normal = {0, -1, 0}, .offset = 0.25}};  // 0.05 m of room, 0.4 m a step
-    setup.bodies = {placed(sphere(1, 0.1), {0, 0.125, 0}, {0, 30, 0})};
-    setup.step = Seconds{1, 64};
-    const auto world = run(setup, 8);
-    EXPECT_TRUE(world->status().has(Issue::step_bound_hit));
 }
 
 TEST_P(Contacts, a_tilted_box_comes_to_rest_on_a_face) {
@@ -176,57 +133,12 @@ TEST_P(Contacts, a_box_that_falls_flat_bounces_without_spin) {
     EXPECT_TRUE(bounced);
 }
 
-TEST_P(Contacts, a_ball_in_a_groove_of_two_planes_stays_in_its_middle) {
-    SceneSetup setup = floor(0.5L);
-    setup.planes = {{.normal = {1, 1, 0}}, {.normal = {-1, 1, 0}}};
-    setup.bodies = {placed(sphere(1, 0.5), {0, 2, 0})};
-    const auto world = build(setup, GetParam());
-    for (int step = 0; step < 2560; ++step) {
-        world->step();
-        ASSERT_LE(std::abs(world->motion(0).x.x), tolerance::place.of(system())) << step;
-    }
-    EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L * std::sqrt(Number(2))), tolerance::place.of(system()));
-    EXPECT_TRUE(world->status().ok());
-}
-
-TEST_P(Contacts, a_sliding_box_stops_where_friction_stops_it) {
-    const auto world = run(floor(0, 0.5L, {placed(box(2, {1, 0.25, 1}), {0, 0.125, 0}, {3, 0, 0})}), 512);
-    EXPECT_LE(norm(world->motion(0).v - Vector{0, world->motion(0).v.y, 0}), tolerance::rest_speed.of(system()));
-    const Number distance_exact = 9 / (2 * 0.5L * g);
-    EXPECT_LE(std::abs(world->motion(0).x.x / distance_exact - 1), tolerance::stop_distance.of(system()));
-}
-
-TEST_P(Contacts, a_ball_that_slides_comes_to_roll_with_five_sevenths_of_its_speed) {
-    const auto world = run(floor(0, 0.25L, {placed(sphere(2, 0.5), {0, 0.5, 0}, {3.5, 0, 0})}), 512);
-    EXPECT_LE(std::abs(world->motion(0).v.x / 2.5L - 1), tolerance::roll_speed.of(system()));
-    EXPECT_LE(std::abs(world->motion(0).q.rotate(world->motion(0).w).z / -5 - 1), tolerance::roll_speed.of(system()));
-}
-
-TEST_P(Contacts, a_body_bounces_with_the_larger_of_two_restitutions) {
-    SceneSetup setup = floor(0.5L);
-    setup.world.gravity = {};
-    setup.bodies = {placed(sphere(1, 0.5), {0, 1, 0}, {0, -2, 0})};
-    setup.bodies[0].restitution = 0.25;
-    setup.planes[0].restitution = 0.75;
-    const auto world = run(setup, 128);
-    EXPECT_LE(std::abs(world->motion(0).v.y - 1.5L), tolerance::contact_impulse.of(system()));
-    setup.planes[0].restitution = -1;
-    const auto other = run(setup, 128);
-    EXPECT_LE(std::abs(other->motion(0).v.y - 0.5L), tolerance::contact_impulse.of(system()));
-}
-
 TEST_P(Contacts, a_shape_without_contact_falls_through_the_floor) {
     SceneSetup setup = floor(0.5L, 0, {top({1, 2, 3}, {})});
     setup.bodies[0].position = {0, 1, 0};
     const auto world = run(setup, 256);
     EXPECT_LT(world->motion(0).x.y, -3);
     EXPECT_EQ(world->contact_count(0), 0);
-}
-
-TEST_P(Contacts, a_body_that_starts_below_the_floor_comes_out_and_rests) {
-    const auto world = run(floor(0.5L, 0, {placed(sphere(1, 0.5), {0, 0.25, 0})}), 2560);
-    EXPECT_LE(std::abs(world->motion(0).x.y - 0.5L), tolerance::place.of(system()));
-    EXPECT_LE(norm(world->motion(0).v), 1);
 }
 
 class ContactsOfFew : public Contacts {};
@@ -243,11 +155,30 @@ Number deepest(AnyWorld& world, const Axes3& axes, Number radius, Number width, 
     return deep;
 }
 
-// Decimal speeds, positions and steps give impacts at the very end of a step.
+// 0.1 m above the floor: a bounce takes 0.29 s.
 TEST_P(ContactsOfFew, an_elastic_ball_never_gains_energy_in_1e4_bounces) {
-    bounce_without_gain(*build(elastic_ball(), GetParam()), GetParam(), 10000);
+    constexpr int wanted = 10000;
+    const auto world = build(floor(1, 0, {placed(sphere(1, 0.5), {0, 0.6015625, 0})}), GetParam());
+    const Number start = g * 0.1015625L;
+    Number greatest = 0, least = 1e9L;
+    int bounces = 0;
+    bool falling = true;
+    for (int step = 0; bounces < wanted && step < 100 * wanted; ++step) {
+        world->step();
+        const Motion m = world->motion(0);
+        if (falling && m.v.y > 0) ++bounces;
+        falling = m.v.y <= 0;
+        const Number energy = g * (m.x.y - 0.5L) + dot(m.v, m.v) / 2;
+        greatest = std::max(greatest, energy);
+        least = std::min(least, energy);
+    }
+    std::printf("%s: %d elastic bounces, energy from %+.2Lg to %+.2Lg\n", name_of(GetParam()).c_str(), bounces,
+                least / start - 1, greatest / start - 1);
+    EXPECT_EQ(bounces, wanted);
+    EXPECT_LE(greatest / start - 1, tolerance::elastic_gain.of(system()));
 }
 
+// Decimal speeds, positions and steps give impacts at the very end of a step.
 TEST_P(ContactsOfFew, a_ball_between_walls_never_passes_a_wall) {
     const Seconds steps[] = {{1, 100}, {1, 100}, {1, 200}, {1, 128}, {1, 256}};
     for (std::uint64_t seed = 0; seed < 200; ++seed) {

@@ -47,13 +47,6 @@ protected:
         spec.contact.most_sweeps = sweeps;
         return spec;
     }
-    static BodySpec at(BodySpec body, const RealVec3& position, const RealVec3& velocity = {},
-                       const RealVec3& spin = {}) {
-        body.position = position;
-        body.velocity = velocity;
-        body.angular_velocity = spin;
-        return body;
-    }
     static PlaneSpec wall(const RealVec3& normal, Real offset) {
         PlaneSpec plane;
         plane.normal = normal;
@@ -138,8 +131,8 @@ TYPED_TEST(ImpactBoundsTest, bound_the_flights_of_a_step) {
         world.template change_load<Counter>().calls = &calls;
         EXPECT_TRUE(world.add(PlaneSpec{}));
         for (int i = 0; i < 6; ++i)
-            (void)world.add(this->at(box(1, {0.5, 0.5, 0.5}), {Real{0.1 * (i % 3)}, Real{0.5 + 0.75 * i}, 0},
-                                     {0, Real{-i}, 0}, {1, 2, Real{0.5 * i}}));
+            (void)world.add(at(box(1, {0.5, 0.5, 0.5}), {Real{0.1 * (i % 3)}, Real{0.5 + 0.75 * i}, 0},
+                               {0, Real{-i}, 0}, {1, 2, Real{0.5 * i}}));
         for (int step = 0; step < 512; ++step) {
             calls = 0;
             (void)world.step();
@@ -160,9 +153,9 @@ TYPED_TEST(ImpactBoundsTest, let_nothing_pass_through) {
             BodySpec slab = box(1, {4, Real{0.03125}, 4});
             slab.fixed = true;
             if (plane) EXPECT_TRUE(world.add(PlaneSpec{}));
-            else (void)world.add(this->at(slab, {0, Real{-0.015625}, 0}));
+            else (void)world.add(at(slab, {0, Real{-0.015625}, 0}));
             const BodyId ball =
-                world.add(this->at(sphere(1, Real{0.0625}), {0, Real{0.5 + 0.03 * i}, 0}, {0, Real{-40 - i}, 0}));
+                world.add(at(sphere(1, Real{0.0625}), {0, Real{0.5 + 0.03 * i}, 0}, {0, Real{-40 - i}, 0}));
             double least = 1;
             for (int step = 0; step < 8; ++step) {
                 (void)world.step();
@@ -181,8 +174,8 @@ TYPED_TEST(ImpactBoundsTest, of_few_sweeps_let_a_box_come_to_rest_a_little_elsew
             const auto end = [&](int sweeps) {
                 typename TestFixture::World world{Seconds{1, 256}, this->with_sweeps(sweeps, Real{bounce}, Real{0.5})};
                 EXPECT_TRUE(world.add(PlaneSpec{}));
-                const BodyId body = world.add(this->at(box(1, {0.5, 0.3, 0.4}), {0, Real{1.2}, 0},
-                                                       {side * Real{2}, 0, 0.5}, {1, side * Real{2}, side * Real{3}}));
+                const BodyId body = world.add(at(box(1, {0.5, 0.3, 0.4}), {0, Real{1.2}, 0}, {side * Real{2}, 0, 0.5},
+                                                 {1, side * Real{2}, side * Real{3}}));
                 double before = this->energy(world, body);
                 for (int step = 0; step < 768; ++step) {
                     (void)world.step();
@@ -213,8 +206,8 @@ TYPED_TEST(ImpactBoundsTest, of_few_sweeps_pass_a_strike_through_a_row_of_balls_
         typename TestFixture::World world{Seconds{1, 256}, spec};
         BodyId ball[6];
         for (int i = 0; i < 6; ++i)
-            ball[i] = world.add(this->at(sphere(1, Real{0.25}), {Real{0.5 * i} - Real{i == 0 ? 0.25 : 0}, 0, 0},
-                                         {Real{i == 0 ? 2 : 0}, 0, 0}));
+            ball[i] = world.add(at(sphere(1, Real{0.25}), {Real{0.5 * i} - Real{i == 0 ? 0.25 : 0}, 0, 0},
+                                   {Real{i == 0 ? 2 : 0}, 0, 0}));
         for (int step = 0; step < 128; ++step) (void)world.step();
         for (int i = 0; i < 5; ++i)
             EXPECT_NEAR(static_cast<double>(world.velocity(ball[i]).x), 0, 1e-3) << i << ", " << sweeps;

@@ -19,9 +19,6 @@ inline constexpr Features brittle{.bodies = 5,
                                   .recording = true,
                                   .removal = true,
                                   .snapshots = true};
-using BreakKinds = Tested<testing::Types<Kind<Q32<>, integrators::Verlet>, Kind<F64, integrators::Verlet>>,
-                          testing::Types<Kind<F32, integrators::Verlet>>>;
-
 using joint_cases::g;
 
 template <class W>
@@ -30,10 +27,6 @@ protected:
     using Base = JointCases<W, brittle>;
     using typename Base::World;
 
-    [[nodiscard]] static BodySpec at(BodySpec body, const RealVec3& position) {
-        body.position = position;
-        return body;
-    }
     [[nodiscard]] static double height(const World& world, BodyId id) {
         return static_cast<double>(world.position(id).y);
     }
@@ -53,12 +46,12 @@ protected:
         }
     }
 };
-TYPED_TEST_SUITE(Breaks, BreakKinds);
+TYPED_TEST_SUITE(Breaks, JointKinds<>);
 
 // From the horizontal the rod bears 3 m g sin(a): 2 m g where the ball is 2/3 of its length below.
 TYPED_TEST(Breaks, a_rod_breaks_where_its_force_exceeds_what_it_bears) {
     auto world = this->falling(), flight = this->falling();
-    const BodyId ball = world.add(this->at(sphere(2, 0.1), {1, 0, 0}));
+    const BodyId ball = world.add(at(sphere(2, 0.1), {1, 0, 0}));
     const JointId rod =
         world.add(DistanceSpec{.body = ball, .point = {1, 0, 0}, .least = 1, .most = 1, .break_force = 2 * 2 * g});
     int steps = 0;
@@ -72,7 +65,7 @@ TYPED_TEST(Breaks, a_rod_breaks_where_its_force_exceeds_what_it_bears) {
     EXPECT_TRUE(world.contains(rod));
     EXPECT_EQ(this->joint(world, 0).force.y, 0);
     // From there on it flies as a body without a joint.
-    const BodyId free = flight.add(this->at(sphere(2, 0.1), {1, 0, 0}));
+    const BodyId free = flight.add(at(sphere(2, 0.1), {1, 0, 0}));
     flight.set_pose(free, world.position(ball), world.orientation(ball));
     flight.set_velocity(free, world.velocity(ball));
     flight.set_angular_velocity(free, world.angular_velocity(ball));
@@ -88,7 +81,7 @@ TYPED_TEST(Breaks, a_fixed_beam_breaks_by_its_torque_or_its_force_alone) {
          {std::tuple{0.0, 0.51 * g, false}, std::tuple{0.0, 0.49 * g, true}, std::tuple{1.02 * g, 0.0, false},
           std::tuple{0.98 * g, 0.0, true}, std::tuple{0.0, 0.0, false}}) {
         auto world = this->falling();
-        const BodyId beam = world.add(this->at(box(1, {1, 0.1, 0.1}), {0.5, 0, 0}));
+        const BodyId beam = world.add(at(box(1, {1, 0.1, 0.1}), {0.5, 0, 0}));
         (void)world.add(FixedSpec{.body = beam, .break_force = force, .break_torque = torque});
         this->run(world, 1);
         EXPECT_FALSE(this->joint(world, 0).broken);  // it goes at the start of the next step
@@ -175,7 +168,7 @@ TYPED_TEST(Breaks, a_snapshot_knows_what_has_broken) {
     const auto make = [&](double force) {
         auto world = this->falling();
         this->add_chain(world, force);
-        (void)world.add(this->at(sphere(1, 0.1), {2.25, 0.5, 0}));
+        (void)world.add(at(sphere(1, 0.1), {2.25, 0.5, 0}));
         (void)world.add(
             DistanceSpec{.body = 4, .to_body = 3, .point = {2.25, 0.5, 0}, .to_point = {2, 0, 0}, .most = 0.75});
         return world;
@@ -212,14 +205,14 @@ TYPED_TEST(Breaks, a_snapshot_knows_what_has_broken) {
 
 TYPED_TEST(Breaks, a_strength_that_cannot_be_is_refused) {
     auto world = this->falling();
-    (void)world.add(this->at(box(1, {1, 0.5, 0.25}), {}));
+    (void)world.add(at(box(1, {1, 0.5, 0.25}), {}));
     EXPECT_EQ(world.fault_of(HingeSpec{.body = 0, .break_force = -1}), JointFault::bad_strength);
     EXPECT_EQ(world.fault_of(FixedSpec{.body = 0, .break_torque = -1}), JointFault::bad_strength);
     EXPECT_STREQ(name_of(JointFault::bad_strength), "bad_strength");
 #ifndef __SANITIZE_ADDRESS__
     tumble::World<SceneOf<typename TestFixture::N, integrators::Verlet, Features{.joints = 1}>> without{
         Seconds{1, 256}};
-    (void)without.add(this->at(box(1, {1, 0.5, 0.25}), {}));
+    (void)without.add(at(box(1, {1, 0.5, 0.25}), {}));
     EXPECT_DEATH((void)without.add(HingeSpec{.body = 0, .break_force = 1}), "");
     EXPECT_DEATH(world.break_joint(JointId{0}), "");
     EXPECT_DEATH(without.apply(Event<typename TestFixture::N>::of_joint(EventKind::break_joint, JointId{0})), "");

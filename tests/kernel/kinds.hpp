@@ -19,6 +19,14 @@ struct TestedKinds<testing::Types<Quick...>, testing::Types<Deep...>> {
 template <class Quick, class Deep>
 using Tested = typename TestedKinds<Quick, Deep>::Types;
 
+[[nodiscard]] inline BodySpec at(BodySpec body, const RealVec3& position, const RealVec3& velocity = {},
+                                 const RealVec3& spin = {}) {
+    body.position = position;
+    body.velocity = velocity;
+    body.angular_velocity = spin;
+    return body;
+}
+
 // Every feature, in little room. Tests share it, so that a kind has one such world.
 inline constexpr Features little_of_everything =
     Features{.bodies = 5, .planes = 2, .springs = 2, .near_pairs = 12}.with_everything();

@@ -224,6 +224,26 @@ TEST_P(Laws, a_fixed_body_that_does_not_turn_never_moves) {
     EXPECT_GT(norm(world->motion(1).x - other.x), 0.01L);
 }
 
+// A method prepares its constants anew after an impulse: a body that is struck in flight moves like one that starts
+// with the motion after the impulse.
+TEST_P(Laws, a_struck_body_moves_like_one_that_starts_with_its_motion) {
+    for (const Vector impulse : {Vector{0, 0, 2}, {1, -0.5L, 0.25L}, {-2, 1, 3}}) {
+        SceneSetup setup{.name = "struck", .bodies = {placed(box(2, {0.5, 1, 0.75}), {}, {}, {1, -2, 0.5})}};
+        const auto struck = run(setup, 37);
+        struck->apply_impulse(0, impulse, {0.25L, 0.5L, -0.125L});
+        const Motion m = struck->motion(0);
+        setup.bodies[0].position = real(m.x);
+        setup.bodies[0].velocity = real(m.v);
+        setup.bodies[0].orientation = real(m.q);
+        setup.bodies[0].angular_velocity = real(m.w);
+        struck->run(128);
+        const auto started = run(setup, 128);
+        EXPECT_LE(angle_between(struck->motion(0).q, started->motion(0).q), 16 * tolerance::same_flight.of(system()));
+        EXPECT_LE(norm(struck->motion(0).w - started->motion(0).w),
+                  16 * tolerance::same_flight.of(system()) * norm(m.w));
+    }
+}
+
 std::vector<Case> splitting_cases() {
     std::vector<Case> cases;
     for (const char* method : {"verlet", "strang", "suzuki4"})

@@ -14,50 +14,6 @@ Vector across(Vector n, Random& random) {
 class Pairs : public CaseTest {};
 INSTANTIATE_TEST_SUITE_P(every, Pairs, testing::ValuesIn(contact_cases()), NameOf{});
 
-const Vector directions[] = {{1, 0, 0}, {0, 0, -1}, {1 / 3.0L, 2 / 3.0L, 2 / 3.0L}, {2 / 7.0L, -3 / 7.0L, 6 / 7.0L}};
-
-TEST_P(Pairs, equal_elastic_spheres_exchange_their_velocities) {
-    for (const Vector& along : directions) {
-        const auto world =
-            run(space(1, 0, {placed(sphere(2, 0.25), -along, 3 * along), placed(sphere(2, 0.25), along, -along)}), 256);
-        const Bound allowed = 4 * tolerance::exchange.of(system());
-        EXPECT_LE(norm(world->motion(0).v + along), allowed);
-        EXPECT_LE(norm(world->motion(1).v - 3 * along), allowed);
-        EXPECT_LE(norm(world->motion(0).w) + norm(world->motion(1).w), 16 * allowed);
-        EXPECT_TRUE(world->status().ok());
-    }
-}
-
-TEST_P(Pairs, unequal_spheres_separate_by_the_impulse_formula) {
-    for (const Vector& along : directions) {
-        for (const Number restitution : {0.0L, 0.5L, 1.0L}) {
-            SceneSetup setup = space(restitution);
-            setup.bodies = {placed(sphere(3, 0.5), -along, 2 * along), placed(sphere(0.5, 0.125), along, -3 * along)};
-            const auto world = run(setup, 256);
-            const Number centre = (3 * 2 - 0.5L * 3) / 3.5L;  // of mass, m/s
-            const Number a = centre - restitution * 5 * 0.5L / 3.5L, b = centre + restitution * 5 * 3 / 3.5L;
-            const Bound allowed = 8 * tolerance::exchange.of(system());
-            EXPECT_LE(norm(world->motion(0).v - a * along), allowed) << restitution;
-            EXPECT_LE(norm(world->motion(1).v - b * along), allowed) << restitution;
-        }
-    }
-}
-
-TEST_P(Pairs, an_elastic_ball_off_a_resting_one_leaves_at_right_angles_to_it) {
-    for (const double offset : {0.125, 0.25, 0.375}) {
-        const auto world =
-            run(space(1, 0, {placed(sphere(1, 0.25), {-1, offset, 0}, {4, 0, 0}), sphere(1, 0.25)}), 256);
-        const Vector a = world->motion(0).v, b = world->motion(1).v;
-        EXPECT_GT(norm(a), 0.5L);
-        EXPECT_GT(norm(b), 0.5L);
-        EXPECT_LE(std::abs(dot(a, b)), 16 * tolerance::exchange.of(system())) << offset;
-        // Along the line of centres at contact: sin = offset / 2 r.
-        const Number sine = 2 * static_cast<Number>(offset), cosine = std::sqrt(1 - sine * sine);
-        EXPECT_LE(norm(b - Vector{4 * cosine * cosine, -4 * sine * cosine, 0}), 4 * tolerance::oblique.of(system()))
-            << offset;
-    }
-}
-
 TEST_P(Pairs, any_two_spheres_follow_the_impulse_formula_and_coulombs_law) {
     Random random{4};
     int stuck = 0, slid = 0;

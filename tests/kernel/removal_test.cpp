@@ -34,10 +34,6 @@ protected:
         (void)world.add(PlaneSpec{});
         return world;
     }
-    [[nodiscard]] static BodySpec at(BodySpec body, RealVec3 position) {
-        body.position = position;
-        return body;
-    }
     template <class World>
     static void run(World& world, int steps) {
         for (int i = 0; i < steps; ++i) world.step();
@@ -48,9 +44,9 @@ TYPED_TEST_SUITE(Removal, LeavingWays);
 TYPED_TEST(Removal, the_others_move_as_if_the_body_had_never_been_there) {
     auto with = this->world(4), without = this->world(4);
     const BodySpec box = tumble::box(1, {0.5, 0.5, 0.5}), ball = sphere(2, 0.25);
-    const BodyId first = with.add(this->at(box, {0, 0.5, 0})), gone = with.add(this->at(ball, {0.2, 0.4, 0})),
-                 last = with.add(this->at(ball, {2, 0.5, 0.1}));
-    const BodyId a = without.add(this->at(box, {0, 0.5, 0})), b = without.add(this->at(ball, {2, 0.5, 0.1}));
+    const BodyId first = with.add(at(box, {0, 0.5, 0})), gone = with.add(at(ball, {0.2, 0.4, 0})),
+                 last = with.add(at(ball, {2, 0.5, 0.1}));
+    const BodyId a = without.add(at(box, {0, 0.5, 0})), b = without.add(at(ball, {2, 0.5, 0.1}));
     SpringSpec tie;
     tie.stiffness = 10;
     tie.body = gone;
@@ -82,8 +78,8 @@ TYPED_TEST(Removal, a_box_falls_when_its_table_goes_though_what_it_is_tied_to_st
     table.fixed = true;
     for (const bool moves : {false, true}) {
         auto world = this->world();
-        const BodyId low = world.add(this->at(box, {0, 0.5, 0})), support = world.add(this->at(table, {4, 0.5, 0})),
-                     high = world.add(this->at(box, {4, 1.5, 0}));
+        const BodyId low = world.add(at(box, {0, 0.5, 0})), support = world.add(at(table, {4, 0.5, 0})),
+                     high = world.add(at(box, {4, 1.5, 0}));
         SpringSpec tie;
         tie.stiffness = 0.25F;
         tie.rest_length = Real{4};
@@ -104,20 +100,20 @@ TYPED_TEST(Removal, the_place_is_used_again_under_another_id) {
     auto world = this->world();
     const BodySpec ball = sphere(1, 0.25);
     std::vector<BodyId> ids;
-    for (int i = 0; i < 5; ++i) ids.push_back(world.add(this->at(ball, {i, 2, 0})));
+    for (int i = 0; i < 5; ++i) ids.push_back(world.add(at(ball, {i, 2, 0})));
     EXPECT_FALSE(world.add(ball));
     EXPECT_TRUE(world.status().has(Issue::world_full));
     this->run(world, 8);
     world.remove(ids[3]);
     world.remove(ids[1]);
     this->run(world, 8);
-    const BodyId again = world.add(this->at(ball, {9, 2, 0}));
+    const BodyId again = world.add(at(ball, {9, 2, 0}));
     EXPECT_EQ(again.index(), 1) << "the first free place";
     EXPECT_NE(again, ids[1]);
     EXPECT_EQ(again.generation(), 1);
     EXPECT_TRUE(world.contains(again));
     EXPECT_FALSE(world.contains(ids[1]));
-    EXPECT_EQ(world.add(this->at(ball, {8, 2, 0})).index(), 3);
+    EXPECT_EQ(world.add(at(ball, {8, 2, 0})).index(), 3);
     EXPECT_FALSE(world.add(ball));
     EXPECT_EQ(world.body_count(), 5);
     EXPECT_EQ(static_cast<double>(world.position(again).x), 9);
@@ -126,8 +122,8 @@ TYPED_TEST(Removal, the_place_is_used_again_under_another_id) {
 
 TYPED_TEST(Removal, a_body_in_a_used_place_moves_as_one_in_a_new_place) {
     auto used = this->world(), fresh = this->world();
-    const BodySpec box = this->at(tumble::box(1, {0.5, 0.4, 0.3}), {0, 0.5, 0});
-    BodySpec other = this->at(sphere(3, 0.5), {5, 0.5, 0});
+    const BodySpec box = at(tumble::box(1, {0.5, 0.4, 0.3}), {0, 0.5, 0});
+    BodySpec other = at(sphere(3, 0.5), {5, 0.5, 0});
     other.velocity = {1, 2, 3};
     other.angular_velocity = {3, 2, 1};
     const BodyId old = used.add(other);
@@ -148,8 +144,8 @@ TYPED_TEST(Removal, a_body_in_a_used_place_moves_as_one_in_a_new_place) {
 
 TYPED_TEST(Removal, a_sleeping_body_falls_when_what_it_rests_on_is_removed) {
     auto world = this->world();
-    const BodyId below = world.add(this->at(box(2, {1, 0.5, 1}), {0, 0.25, 0})),
-                 above = world.add(this->at(box(1, {0.5, 0.5, 0.5}), {0, 0.75, 0}));
+    const BodyId below = world.add(at(box(2, {1, 0.5, 1}), {0, 0.25, 0})),
+                 above = world.add(at(box(1, {0.5, 0.5, 0.5}), {0, 0.75, 0}));
     this->run(world, 600);
     EXPECT_TRUE(world.asleep(above));
     world.remove(below);
@@ -160,8 +156,8 @@ TYPED_TEST(Removal, a_sleeping_body_falls_when_what_it_rests_on_is_removed) {
 
 TYPED_TEST(Removal, a_removed_body_counts_in_the_hash_and_a_copy_keeps_it) {
     auto world = this->world();
-    (void)world.add(this->at(sphere(1, 0.25), {0, 3, 0}));
-    const BodyId gone = world.add(this->at(sphere(1, 0.25), {1, 3, 0}));
+    (void)world.add(at(sphere(1, 0.25), {0, 3, 0}));
+    const BodyId gone = world.add(at(sphere(1, 0.25), {1, 3, 0}));
     const auto before = world;
     world.remove(gone);
     EXPECT_NE(world.hash(), before.hash());
@@ -178,7 +174,7 @@ TYPED_TEST(Removal, a_recording_has_the_removal_and_a_script_skips_events_of_rem
     auto live = this->world(), replayed = live;
     BodyId ids[2];
     for (auto* world : {&live, &replayed})
-        for (int i = 0; i < 2; ++i) ids[i] = world->add(this->at(sphere(1, 0.25), {i, 3, 0}));
+        for (int i = 0; i < 2; ++i) ids[i] = world->add(at(sphere(1, 0.25), {i, 3, 0}));
     Recorder<typename TypeParam::Numbers, 4> recorder;
     live.record(&recorder);
     this->run(live, 5);
@@ -195,7 +191,7 @@ TYPED_TEST(Removal, a_recording_has_the_removal_and_a_script_skips_events_of_rem
 TYPED_TEST(Removal, a_minimal_world_can_be_emptied_and_filled) {
     typename TestFixture::template WorldOf<only_leaving> world{Seconds{1, 256}, {.gravity = {0, -9.81, 0}}};
     for (int i = 0; i < 3; ++i) {
-        const BodyId id = world.add(this->at(sphere(1, 0.5), {i, 3, 0}));
+        const BodyId id = world.add(at(sphere(1, 0.5), {i, 3, 0}));
         EXPECT_EQ(id.generation(), i);
         this->run(world, 4);
         EXPECT_LT(static_cast<double>(world.velocity(id).y), 0);
@@ -209,7 +205,7 @@ TYPED_TEST(Removal, a_minimal_world_can_be_emptied_and_filled) {
 TYPED_TEST(Removal, the_id_of_a_removed_body_is_misuse) {
     auto world = this->world();
     const BodyId gone = world.add(sphere(1, 0.25));
-    const BodyId kept = world.add(this->at(sphere(1, 0.25), {1, 0, 0}));
+    const BodyId kept = world.add(at(sphere(1, 0.25), {1, 0, 0}));
     world.remove(gone);
     EXPECT_DEATH(world.remove(gone), "");
     EXPECT_DEATH((void)world.position(gone), "");

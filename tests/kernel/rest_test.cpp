@@ -35,13 +35,6 @@ SceneSetup tower(int count, Number mass, Vector edges, Number turn = 0, Number d
     }
     return setup;
 }
-Number farthest_from_start(const AnyWorld& world, const SceneSetup& setup) {
-    Number largest = 0;
-    for (int b = 0; b < world.body_count(); ++b)
-        largest =
-            std::max(largest, norm(world.motion(b).x - vector(setup.bodies[static_cast<std::size_t>(b)].position)));
-    return largest;
-}
 
 // --- sleep -------------------------------------------------------------------------------------------------------
 
@@ -240,6 +233,30 @@ TEST_P(Rest, a_box_squeezed_between_walls_stays_where_it_is) {
         const auto world = run(setup, 2 * second);
         EXPECT_LE(farthest_from_start(*world, setup), 0.001L);
         EXPECT_LE(norm(world->motion(0).v) + norm(world->motion(0).w), rounding());
+    }
+}
+
+// In a step, an eighth of the penetration beyond a quarter of the tolerance, at most an eighth of the tolerance.
+TEST_P(Rest, a_deep_penetration_is_corrected_as_slowly_as_promised) {
+    for (const Number depth : {0.0625L, 0.0009765625L}) {
+        for (const bool boxed : {false, true}) {
+            const BodySpec body = boxed ? box(2, {1, 1, 1}) : sphere(2, 0.5);
+            const auto world = build(floor(0.5L, 0, {placed(body, {0, 0.5L - depth, 0})}), GetParam());
+            Number before = depth;
+            for (int step = 0; step < 64; ++step) {
+                world->step();
+                const Number now = 0.5L - world->motion(0).x.y;
+                const Number excess = before - tolerance::contact_band / 4;
+                const Number most = std::min(excess > 0 ? excess / 8 : Number(0), tolerance::contact_band / 8);
+                ASSERT_LE(before - now - 1.25L * most, tolerance::still) << "from " << depth << " m, step " << step;
+                // An excess below 1/256 of the tolerance stays.
+                if (excess > tolerance::contact_band / 250) {
+                    ASSERT_LE(0.75L * most - (before - now), tolerance::still)
+                        << "from " << depth << " m, step " << step;
+                }
+                before = now;
+            }
+        }
     }
 }
 

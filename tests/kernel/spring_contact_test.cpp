@@ -234,14 +234,37 @@ TEST_P(Springs, the_largest_safe_step_of_two_spheres_is_that_of_their_reduced_ma
     EXPECT_LE(safe, tolerance::safe_step_most * pair);
 }
 
-TEST_P(Springs, the_largest_safe_step_of_a_box_is_safe_for_its_rocking_too) {
-    SceneSetup setup = soft_floor(1000);
-    setup.world.gravity = gravity;
-    setup.bodies = {falling(box(1, {1, 1, 1}), 0.499L, 0)};
-    // A cube on four corners: 4 k / m up and down, 4 k (1/2)^2 / (m / 6) = 6 k / m rocking.
-    const Number safe = safe_step(setup, GetParam()), rocking = 2 / std::sqrt(Number(6000));
-    EXPECT_LE(safe, tolerance::safe_step_most * rocking);
-    EXPECT_GE(safe, tolerance::safe_step_least * tolerance::safe_step_least * rocking);
+// Half of the oscillator's limit 2 / w.
+TEST_P(Springs, the_largest_safe_step_is_half_the_limit_of_the_fastest_oscillation) {
+    constexpr Number stiffness = 1000;
+    SceneSetup setup{.name = "springs", .step = Seconds{1, 1024}};
+    setup.world.contact = {.response = ContactResponse::spring, .stiffness = real(stiffness)};
+    const auto safe = [&] { return run(setup, 1)->largest_safe_step(); };
+    setup.planes = {{}};
+    for (const Number mass : {0.5L, 1.0L, 8.0L}) {
+        setup.bodies = {placed(sphere(real(mass), 0.5), {0, 1, 0})};
+        EXPECT_LE(std::abs(safe() * std::sqrt(stiffness / mass) - 1), tolerance::safe_step)
+            << "a ball of " << mass << " kg";
+        for (const Vector edges : {Vector{1, 1, 1}, {2, 1, 1}, {0.25L, 3, 0.5L}, {4, 4, 0.125L}}) {
+            setup.bodies = {placed(box(real(mass), real(edges)), {0, 4, 0})};
+            // Four springs: lifting, and tilting about edge i by springs that are half an edge j away, for every face
+            // below.
+            Number fastest = 4 * stiffness / mass;
+            for (int i = 0; i < 3; ++i)
+                for (int j = 0; j < 3; ++j)
+                    if (i != j)
+                        fastest =
+                            std::max(fastest, 4 * stiffness * edges[j] * edges[j] / 4 / moments_of(setup.bodies[0])[i]);
+            EXPECT_LE(std::abs(safe() * std::sqrt(fastest) - 1), tolerance::safe_step)
+                << mass << " kg, edges " << edges.x << ", " << edges.y << ", " << edges.z << " m";
+        }
+    }
+    // In a row of touching bodies, neighbours move against each other in the fastest oscillation: 3 k / m for three
+    // equal bodies.
+    setup.planes.clear();
+    setup.bodies.clear();
+    for (int i = 0; i < 3; ++i) setup.bodies.push_back(placed(sphere(2, 0.25), {0.5L * i, 0, 0}));
+    EXPECT_LE(safe(), 1 / std::sqrt(3 * stiffness / 2));
 }
 
 TEST_P(Springs, a_step_beyond_the_limit_is_reported_and_one_within_it_is_not) {

@@ -403,18 +403,5 @@ TEST_P(Statics, a_body_lies_on_two_points) {
     expect_at_rest(setup, 64, "capsule");
 }
 
-TEST_P(Statics, what_rests_moves_when_it_is_struck_and_rests_again) {
-    SceneSetup setup = floor(0, 0.5L);
-    for (int i = 0; i < 4; ++i) setup.bodies.push_back(at(box(2, {1, 0.5, 1}), 0, 0.25L + 0.5L * i));
-    const auto world = run(setup, 16);
-    world->apply_impulse(3, {1, 0, 0});
-    world->run(second);
-    // The top box slides to rest from 0.5 m/s, the others stay.
-    EXPECT_NEAR(static_cast<double>(world->motion(3).x.x), static_cast<double>(0.25L / (2 * 0.5L * g)), 2e-4);
-    for (int b = 0; b < 3; ++b)
-        EXPECT_LE(norm(world->motion(b).x - vector(setup.bodies[static_cast<std::size_t>(b)].position)), 1e-4L);
-    EXPECT_LE(norm(world->motion(3).v) + norm(world->motion(3).w), rounding);
-}
-
 }  // namespace
 }  // namespace tumble::test

@@ -135,7 +135,6 @@ inline constexpr Tolerance contact_impulse{"contact_impulse"};
 // whose last hops are higher. In double precision it is the residual of 32 sweeps in the step in which a box comes to
 // rest.
 inline constexpr Tolerance symmetric_spin{"symmetric_spin"};
-inline constexpr Tolerance stop_distance{"stop_distance"}, roll_speed{"roll_speed"};
 
 // Pairs: relative to their largest speed or momentum, and to that times an arm. A dozen rounding errors. Speeds have 27
 // bits of the largest one in fixed point and 24 in float; the error is doubled where dozens of sweeps change them.
@@ -159,13 +158,7 @@ inline constexpr Tolerance still{"still"};              // m and rad over 100 st
 inline constexpr Tolerance stack_shift{"stack_shift"};  // of a box's edge
 inline constexpr Tolerance sliding{"sliding"};          // distances, speeds and times, relative
 inline constexpr Tolerance slip{"slip"};                // of the speed, once it rolls
-// The displacement of the top of a pile while the rest settles below it, m: the residual loads after the sweeps of a
-// step, which pass loads on from box to box.
-inline constexpr Tolerance stack_top_aside{"stack_top_aside"}, stack_top_down{"stack_top_down"},
-    pyramid_top{"pyramid_top"};
 inline constexpr Tolerance turntable_rounding{"turntable_rounding"}, turntable_spin{"turntable_spin"};
-// Error of the radius of an orbit: order 1 in W h = 3.5 / 1024, over 2 pi.
-inline constexpr Tolerance turntable_orbit{"turntable_orbit"};
 inline constexpr Tolerance brief_bounce{"brief_bounce"};  // of the speed
 inline constexpr Tolerance far_plane{"far_plane"};        // of a place in double precision, m
 
