@@ -71,7 +71,7 @@ struct MeasuredStep {
     int insn_of_call = 4;
 };
 
-// Runs such firmware in QEMU and returns the row that it prints; bench/README.md explains the keys. On a core with a
+// Runs such firmware in QEMU and returns the row that it prints; bench/KEYS.md explains the keys. On a core with a
 // timing table the row has the cycles of the step. It is an error if an instruction has no timing, or if plugin and
 // firmware count different numbers of instructions. `reports` are further outputs of the plugin, as "places=FILE"
 // (port/qemu/cycles/report.hpp).

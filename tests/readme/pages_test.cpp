@@ -156,8 +156,7 @@ TEST(pages, say_what_every_key_of_a_result_row_means) {
         }
     }
     Strings listed;
-    std::istringstream rows{section(root / "bench/README.md", "Keys of a row")};
-    for (std::string line; std::getline(rows, line);)
+    for (const std::string& line : lines_of(root / "bench/KEYS.md"))
         if (line.starts_with("| `"))
             listed.merge(all_in(line.substr(0, line.find('|', 1)), std::regex{"`([a-z0-9_]+)`"}));
     for (const std::string& key : keys) EXPECT_TRUE(listed.contains(key)) << "key " << key << " is not in the page";

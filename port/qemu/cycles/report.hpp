@@ -7,7 +7,7 @@
 
 namespace cycles {
 
-// One line, keys as in bench/README.md. A row with unknown instructions says "valid": false.
+// One line, keys as in bench/KEYS.md. A row with unknown instructions says "valid": false.
 void write_row(std::ostream&, const Counter&, Model);
 // A line for each function, most expensive first: estimated cycles, min, max, insn, calls, symbol; sums over all calls.
 void write_profile(std::ostream&, const Counter&, const Symbols&);
