@@ -11,33 +11,39 @@ struct Verlet;
 }  // namespace integrators
 
 // The list of features: the room of a scene, and what can happen in it. A feature that is off is not in the image. Code
-// that combines or prints features uses for_each().
+// that combines or prints features uses for_each(). kernel/README.md has a scene to begin with for each group.
 struct Features {
-    int bodies = 1;                   // room for bodies, fixed ones included; 0: the world only counts its steps
-    int planes = 0;                   // room for planes
-    int springs = 0;                  // room for springs
-    int joints = 0;                   // room for joints; needs rotation; jointed bodies touch nothing yet
-    bool distances = false;           // joints may keep a distance: DistanceSpec
-    bool joint_springs = false;       // joints may have springs and dampers: JointSpring
-    bool joint_limits = false;        // hinges and sliders may have limits: JointLimits
-    bool joint_breaks = false;        // joints may break: break_force, break_torque, World::break_joint()
-    int near_pairs = 0;               // room for pairs that are near each other at one time; 0: the usual room
-    bool rotation = true;             // bodies rotate; if false, all of them are point masses
-    bool point_masses = false;        // some bodies may be point masses, which do not rotate
-    bool drag = false;                // world-wide linear and angular drag
-    bool gravitation = false;         // attraction between all bodies
-    bool softening = false;           // of that attraction at short distances: World::set_softening()
-    bool air = false;                 // drag of each body in wind: Air
-    bool gravity_gradient = false;    // torque on a long body in orbit: GravityGradient
-    bool wheels = false;              // stored angular momentum of each body: Wheels
-    bool forces = false;              // forces and torques at set times
-    bool impulses = false;            // impulses at set times
-    bool control = false;             // the program sets forces, torques and gravity while it runs
-    bool script = false;              // events of every kind at set times, for World::set_script()
-    bool recording = false;           // the world writes its events to a recording, for World::record()
-    bool removal = false;             // bodies can be removed, and their places are used again
-    bool snapshots = false;           // the world can be saved as bytes and restored, for World::save()
-    bool imu = false;                 // the world keeps the motion before each step, for World::imu()
+    // --- every scene: the room ---
+    int bodies = 1;   // room for bodies, fixed ones included; 0: the world only counts its steps
+    int planes = 0;   // room for planes
+    int springs = 0;  // room for springs
+    // --- an arm: joints ---
+    int joints = 0;              // room for joints; needs rotation; jointed bodies touch nothing yet
+    bool distances = false;      // joints may keep a distance: DistanceSpec
+    bool joint_springs = false;  // joints may have springs and dampers: JointSpring
+    bool joint_limits = false;   // hinges and sliders may have limits: JointLimits
+    bool joint_breaks = false;   // joints may break: break_force, break_torque, World::break_joint()
+    // --- every scene: pairs that are near, and what a body is ---
+    int near_pairs = 0;         // room for pairs that are near each other at one time; 0: the usual room
+    bool rotation = true;       // bodies rotate; if false, all of them are point masses
+    bool point_masses = false;  // some bodies may be point masses, which do not rotate
+    // --- a satellite: loads ---
+    bool drag = false;              // world-wide linear and angular drag
+    bool gravitation = false;       // attraction between all bodies
+    bool softening = false;         // of that attraction at short distances: World::set_softening()
+    bool air = false;               // drag of each body in wind: Air
+    bool gravity_gradient = false;  // torque on a long body in orbit: GravityGradient
+    bool wheels = false;            // stored angular momentum of each body: Wheels
+    // --- a drone: what a program does and reads ---
+    bool forces = false;     // forces and torques at set times
+    bool impulses = false;   // impulses at set times
+    bool control = false;    // the program sets forces, torques and gravity while it runs
+    bool script = false;     // events of every kind at set times, for World::set_script()
+    bool recording = false;  // the world writes its events to a recording, for World::record()
+    bool removal = false;    // bodies can be removed, and their places are used again
+    bool snapshots = false;  // the world can be saved as bytes and restored, for World::save()
+    bool imu = false;        // the world keeps the motion before each step, for World::imu()
+    // --- dice: what touches, and how ---
     bool pairs = false;               // bodies collide with bodies
     bool boxes = false;               // boxes collide (spheres always do if there are planes or pairs)
     bool round_shapes = false;        // cylinders, capsules and hoops collide with planes
