@@ -91,7 +91,7 @@ public:
     // s; zero where no contact limits it.
     [[nodiscard]] Real largest_safe_step() const {
         Real most = most_compliance_;
-        const Real met = to_real(stiffest_);
+        const auto met = static_cast<Real>(stiffest_);
         if (met > most) most = met;
         Real step = most > Real{} ? Real{1} / sqrt(most) : Real{};
         if (most_damping_ > Real{} && (step.is_zero() || Real{1} / most_damping_ < step))
@@ -306,10 +306,6 @@ private:
         if (stiffness > most_compliance_) most_compliance_ = stiffness;
         if (damping > most_damping_) most_damping_ = damping;
         if (stiffness * step_ * step_ > Real{1} || damping * step_ > Real{1}) bodies.report(Issue::step_too_long, b);
-    }
-    [[nodiscard]] static Real to_real(Work w) {
-        if constexpr (N::fixed_point) return w.to_real();
-        else return Real{static_cast<double>(w)};
     }
 
     bool on_, has_barrier_;
