@@ -457,16 +457,6 @@ public:
 
 private:
     friend class ContactRange<World>;
-
-    // For ContactRange.
-    [[nodiscard]] int logged_count() const { return contacts_.logged_count(); }
-    [[nodiscard]] bool is_logged(int i, int b) const { return contacts_.is_logged(i, b); }
-    [[nodiscard]] Contact<Work> logged(int i, int b) const {
-        return contacts_.logged(i, b, advance_.bodies, steps_per_second(), [&](int place) {
-            if constexpr (features.removal) return places_.id_of(place);
-            else return BodyId{place};
-        });
-    }
 };
 
 }  // namespace tumble

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tumble/advance/free_motion.hpp>
+#include <tumble/body/state_in_unit.hpp>
 
 namespace tumble {
 
@@ -90,12 +91,11 @@ private:
     // The motion of a body in a part of the step as that in a whole one.
     void shorten(int b, Work length) requires(features.kinematic) {
         if (length == Work(1)) return;
-        State& s = bodies.state[b];
         const auto part = N::fraction(length);
         for (int i = 0; i < 3; ++i) {
-            N::add(s.d_w[i], N::part(N::sum(s.d_w[i]), part) - N::sum(s.d_w[i]));
+            StateInUnit<Bodies>::shrink(bodies.state[b].d_w[i], part);
             if constexpr (rotation)
-                if (bodies.rotates(b)) s.t_b[i].add(N::part(N::sum(s.t_b[i]), part) - N::sum(s.t_b[i]));
+                if (bodies.rotates(b)) StateInUnit<Bodies>::shrink(bodies.state[b].t_b[i], part);
         }
         spin_changed(b);
     }

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <tumble/advance/loaded_motion.hpp>
-#include <tumble/body/momentum.hpp>
+#include <tumble/body/state_in_unit.hpp>
 
 namespace tumble {
 
@@ -189,64 +189,28 @@ private:
     }
     // The spin shrinks to the part, so that the method's code for a step turns the body.
     void rotate_in_part(int b, const StepInfo<N>& info, Work length) requires(rotation) {
-        State& s = bodies.state[b];
-        const auto part = N::fraction(length);
-        auto start = s.t_b;
-        const auto from = s.q_wb.value();
-        [[maybe_unused]] const int halvings = bodies.halvings_of(b);
-        const auto shrink = [&](auto& t) __attribute__((noinline)) { t.add(N::part(N::sum(t), part) - N::sum(t)); };
-        shrink(s.t_b.x);
-        shrink(s.t_b.y);
-        shrink(s.t_b.z);
-        [[maybe_unused]] auto shrunk = s.t_b;
+        StateInUnit<Bodies> unit;
+        const auto from = bodies.state[b].q_wb.value();
+        unit.shrink_spin(bodies, b, N::fraction(length));
         spin_changed(b);
         rotate_flight(b, info);
-        if constexpr (Bodies::has_parts) {
-            for (int h = halvings; h < bodies.halvings_of(b); ++h) {
-                N::halve(start);
-                N::halve(shrunk);
-            }
-        }
-        if constexpr (spin == Spin::angular_momentum) {
-            TurnSum t[3]{N::sum(start.x), N::sum(start.y), N::sum(start.z)};
-            turn_momentum<N>(t, bodies.spin_scale(b), from, s.q_wb.value());
-            s.t_b = start;
-            s.t_b.x.add(t[0] - N::sum(start.x));
-            s.t_b.y.add(t[1] - N::sum(start.y));
-            s.t_b.z.add(t[2] - N::sum(start.z));
-        } else {
-            // Only the change is scaled back, so that a spin that does not change stays exact.
-            for (int i = 0; i < 3; ++i) {
-                const Work change = N::half_turn(N::sum(s.t_b[i]) - N::sum(shrunk[i]), bodies.scale) / length;
-                s.t_b[i] = start[i];
-                s.t_b[i].add(N::turn_sum(change, bodies.scale));
-            }
-        }
+        if constexpr (spin == Spin::angular_momentum) unit.restore_momentum(bodies, b, from);
+        else unit.restore_spin(bodies, b, [&](Work change) { return change / length; });
         spin_changed(b);
     }
-    // A part of a step of bodies under loads, with the part as the unit of time. Drift and spin shrink with it, and
-    // accelerations with its square. Then the same code steps over the part. Only the changes are scaled back, so that
-    // a drift that loads do not change stays exact. The spin is already in half turns of 2^-halvings of the step.
+    // A part of a step of bodies under loads, with the part as the unit of time: accelerations shrink with its square.
+    // The spin is already in half turns of 2^-halvings of the step.
     void part_of_step(const BodyGroup& group, const StepInfo<N>& info, Work length, int halvings = 0) {
         const auto part = N::fraction(length);
         const Work inverse = Work(1) / length;
-        const Work spin_length = N::times_power_of_two(length, halvings),
-                   spin_inverse = N::times_power_of_two(inverse, -halvings);
-        const bool spin_shrinks = halvings == 0 || spin_length < Work(1);
-        StateCopies<State, features.bodies> whole, scaled;
-        [[maybe_unused]] std::int8_t before[features.bodies]{};
+        [[maybe_unused]] const Work spin_length = N::times_power_of_two(length, halvings),
+                                    spin_inverse = N::times_power_of_two(inverse, -halvings);
+        StateInUnit<Bodies> unit[features.bodies];
         for (int k = 0; k < group.count; ++k) {
-            const int b = group.id[k];
-            State& s = bodies.state[b];
-            whole.keep(k, s);
-            before[k] = static_cast<std::int8_t>(bodies.halvings_of(b));
-            for (int i = 0; i < 3; ++i) {
-                N::add(s.d_w[i], N::part(N::sum(s.d_w[i]), part) - N::sum(s.d_w[i]));
-                if constexpr (rotation)
-                    if (spin_shrinks)
-                        s.t_b[i].add(N::part(N::sum(s.t_b[i]), N::fraction(spin_length)) - N::sum(s.t_b[i]));
-            }
-            scaled.keep(k, s);
+            unit[k].shrink_drift(bodies, group.id[k], part);
+            if constexpr (rotation)
+                unit[k].shrink_spin(bodies, group.id[k], N::fraction(spin_length),
+                                    halvings == 0 || spin_length < Work(1));
         }
         spins_changed(group);
 
@@ -256,25 +220,9 @@ private:
         else over(group, info, fall, length, false);
 
         for (int k = 0; k < group.count; ++k) {
-            const int b = group.id[k];
-            State& s = bodies.state[b];
-            if constexpr (Bodies::has_parts) {
-                for (int h = before[k]; h < bodies.halvings_of(b); ++h) {
-                    N::halve(whole.first()[k].t_b);
-                    N::halve(scaled.first()[k].t_b);
-                }
-            }
-            for (int i = 0; i < 3; ++i) {
-                const Work linear = N::metres(N::sum(s.d_w[i]) - N::sum(scaled[k].d_w[i]), bodies.scale) * inverse;
-                s.d_w[i] = whole[k].d_w[i];
-                N::add(s.d_w[i], N::drift_sum(linear, bodies.scale));
-                if constexpr (rotation) {
-                    const Work angular =
-                        N::half_turn(N::sum(s.t_b[i]) - N::sum(scaled[k].t_b[i]), bodies.scale) * spin_inverse;
-                    s.t_b[i] = whole[k].t_b[i];
-                    s.t_b[i].add(N::turn_sum(angular, bodies.scale));
-                }
-            }
+            unit[k].restore_drift(bodies, group.id[k], inverse);
+            if constexpr (rotation)
+                unit[k].restore_spin(bodies, group.id[k], [&](Work change) { return change * spin_inverse; });
         }
         spins_changed(group);
     }

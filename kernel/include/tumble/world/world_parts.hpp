@@ -147,6 +147,15 @@ protected:
         if constexpr (features.springs_touch()) return advance_.loads.contacts().touches(b);
         else return false;
     }
+    // For ContactRange.
+    [[nodiscard]] int logged_count() const { return contacts_.logged_count(); }
+    [[nodiscard]] bool is_logged(int i, int b) const { return contacts_.is_logged(i, b); }
+    [[nodiscard]] Contact<Work> logged(int i, int b) const {
+        return contacts_.logged(i, b, advance_.bodies, steps_per_second(), [&](int place) {
+            if constexpr (features.removal) return places_.id_of(place);
+            else return BodyId{place};
+        });
+    }
 
     [[no_unique_address]] Advance advance_;
     [[no_unique_address]] If<has_contacts, Contacts, 1> contacts_;
