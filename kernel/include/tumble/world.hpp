@@ -338,9 +338,7 @@ public:
         TUMBLE_ASSERT(contains(id));
         if constexpr (features.joint_breaks)
             if (!advance_.joints.holds(id.index())) return {.broken = true};
-        const tumble::detail::JointReader<N, features, Bodies> reader{advance_.joints, advance_.bodies, id.index(),
-                                                                      steps_per_second()};
-        return reader.template read<T>();
+        return Base::joint_reader(id.index()).template read<T>();
     }
 
     // The gravity that acts in the next step, m/s^2, world frame, as the world keeps it.

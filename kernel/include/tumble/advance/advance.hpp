@@ -20,7 +20,7 @@ class Advance : TreeMotion<S> {
 public:
     // What contacts and World ask for.
     using Base::add, Base::break_joint, Base::remove_joint, Base::set_gravity, Base::whole_fall;
-    using Base::Base;
+    constexpr Advance(Seconds step, const WorldSpec& spec) : Base{step, spec} {}
     using Base::begin, Base::end, Base::note_moving, Base::place, Base::step_turntable, Base::free_body, Base::alone,
         Base::group, Base::portion, Base::step_trees;
     using Base::bodies, Base::loads, Base::wrenches, Base::joints, Base::spin, Base::has_loads, Base::has_own_loads,

@@ -11,7 +11,7 @@ class FreeMotion : public MovingBodies<S> {
     using Base = MovingBodies<S>;
 
 public:
-    using Base::Base;
+    constexpr FreeMotion(Seconds step, const WorldSpec& spec) : Base{step, spec} {}
     using Base::check_range, Base::spin_changed, Base::whole;
     using Base::has_loads, Base::rotation, Base::has_wrenches, Base::fall_in_halves, Base::bodies, Base::loads,
         Base::wrenches, Base::inertia_;

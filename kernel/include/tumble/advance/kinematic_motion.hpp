@@ -11,7 +11,7 @@ class KinematicMotion : public FreeMotion<S> {
     using Base = FreeMotion<S>;
 
 public:
-    using Base::Base;
+    constexpr KinematicMotion(Seconds step, const WorldSpec& spec) : Base{step, spec} {}
     using Base::check_range, Base::check_spin_about_z, Base::disturb, Base::lose_kick, Base::rotate, Base::settle,
         Base::shorten_parts_about_z, Base::spin_changed, Base::unloaded;
     using Base::features, Base::rotation, Base::spin, Base::may_tumble, Base::bodies, Base::inertia_, Base::sphere_,
@@ -100,7 +100,7 @@ private:
         spin_changed(b);
     }
     // A step of a kinematic body.
-    void step_kinematic(int b, const StepInfo<N>& info) requires(features.kinematic) {
+    [[gnu::noinline]] void step_kinematic(int b, const StepInfo<N>& info) requires(features.kinematic) {
         spin_changed(b);  // in a world where it was placed within the step, and so in all others
         coast_by_itself<true>(b, info);
         check_range(b);
@@ -150,7 +150,7 @@ private:
         shorten_parts_about_z(b);
         check_spin_about_z(b);
         [[maybe_unused]] const auto spin_before = s.t_b;
-        [[maybe_unused]] int halvings = bodies.halvings_of(b);
+        [[maybe_unused]] const int halvings = bodies.halvings_of(b);
         const Inertia own = inertia_[b];
         inertia_[b] = sphere_;
         if constexpr (spin == Spin::angular_momentum) {
@@ -166,8 +166,7 @@ private:
         inertia_[b] = own;
         if constexpr (spin == Spin::angular_momentum) {
             s.t_b = spin_before;
-            if constexpr (Bodies::has_parts)
-                for (; halvings < bodies.parts.halvings[b]; ++halvings) N::halve(s.t_b);
+            bodies.to_scale_of(b, s.t_b, halvings);
             spin_changed(b);
         }
         if constexpr (ends_step) settle(b);

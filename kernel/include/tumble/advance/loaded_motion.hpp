@@ -11,7 +11,7 @@ class LoadedMotion : public KinematicMotion<S> {
     using Base = KinematicMotion<S>;
 
 public:
-    using Base::Base;
+    constexpr LoadedMotion(Seconds step, const WorldSpec& spec) : Base{step, spec} {}
     using Base::features, Base::has_loads, Base::rotation, Base::has_wrenches, Base::keeps_kicks, Base::spin,
         Base::bodies, Base::loads, Base::wrenches, Base::inertia_, Base::kept_, Base::places_;
     using Base::half_turn_by_wrenches, Base::lose_kick, Base::over_part, Base::rotate, Base::spins_changed,

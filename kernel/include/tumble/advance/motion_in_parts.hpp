@@ -15,7 +15,7 @@ public:
     using Base::add_wrenches, Base::check_range, Base::check_spin_about_z, Base::forget_kicks, Base::is_coupled,
         Base::is_dragged_alone, Base::is_driven, Base::is_loaded, Base::one, Base::over, Base::rotate_flight,
         Base::settle, Base::shorten_parts_about_z, Base::spin_changed, Base::spins_changed, Base::whole_fall;
-    using Base::Base;
+    constexpr MotionInParts(Seconds step, const WorldSpec& spec) : Base{step, spec} {}
     using Base::features, Base::has_loads, Base::rotation, Base::has_wrenches, Base::spin, Base::bodies, Base::loads,
         Base::places_, Base::gravity_;
     using typename Base::N, typename Base::Integrator, typename Base::Work, typename Base::DriftSum,

@@ -11,7 +11,7 @@ class TreeMotion : public MotionInParts<S> {
     using Base = MotionInParts<S>;
 
 public:
-    using Base::Base;
+    constexpr TreeMotion(Seconds step, const WorldSpec& spec) : Base{step, spec} {}
     using Base::check_range, Base::disturb, Base::is_coupled, Base::portion, Base::spin_changed;
     using Base::features, Base::has_joints, Base::may_couple, Base::spring_bounds, Base::bodies, Base::loads,
         Base::joints, Base::with_trees_;

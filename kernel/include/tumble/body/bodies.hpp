@@ -395,6 +395,11 @@ public:
         for (; parts.halvings[b] > 0 && N::is_slow(state[b].t_b, z_up); --parts.halvings[b]) N::twice(state[b].t_b);
         return parts.halvings[b] != before;
     }
+    // Takes a spin of a scale with so many halvings to that of the body, which has as many or more.
+    void to_scale_of(int b, auto& t_b, int halvings) const {
+        if constexpr (has_parts)
+            for (; halvings < parts.halvings[b]; ++halvings) N::halve(t_b);
+    }
     // Sets the halvings of a spin that has the scale of so many. A step has no shorter parts than the range needs: a
     // spin that asks for them leaves its range.
     void set_halvings(int b, int halvings) requires(has_parts) {

@@ -79,11 +79,8 @@ public:
 
 private:
     void follow_halvings(const Bodies& bodies, int b) {
-        if constexpr (Bodies::has_parts)
-            for (; whole_.halvings < bodies.halvings_of(b); ++whole_.halvings) {
-                N::halve(whole_.t_b);
-                N::halve(shrunk_.t_b);
-            }
+        bodies.to_scale_of(b, whole_.t_b, whole_.halvings);
+        bodies.to_scale_of(b, shrunk_.t_b, whole_.halvings);
     }
 
     KeptMotion<typename Bodies::State> whole_, shrunk_;  // shrunk_ without halvings

@@ -3,6 +3,7 @@
 // through working numbers.
 #pragma once
 
+#include <tumble/body/state_in_unit.hpp>
 #include <tumble/events/event.hpp>
 
 namespace tumble {
@@ -133,18 +134,6 @@ template <class T, class Bodies>
     return motion;
 }
 
-// The motion of a body before a step.
-template <class State>
-struct MotionBefore {
-    decltype(State::d_w) d_w{};
-    decltype(State::t_b) t_b{};
-    std::int8_t halvings = 0;  // of the scale of t_b
-};
-template <class N>
-struct MotionBefore<BodyState<N, Spin::none>> {
-    decltype(BodyState<N, Spin::none>::d_w) d_w{};
-};
-
 // to - from with the residuals of both.
 template <class N>
 [[nodiscard]] auto change(const auto& to, const auto& from) {
@@ -155,7 +144,7 @@ template <class N>
 // The means over the last step: of the acceleration from the change of the velocity, less `fall`, gravity's change of
 // drift in a step. The body's axes are those in the middle of the step.
 template <class T, class Bodies>
-[[nodiscard]] Imu<T> imu_of(const Bodies& bodies, int b, const MotionBefore<typename Bodies::State>& before,
+[[nodiscard]] Imu<T> imu_of(const Bodies& bodies, int b, const KeptMotion<typename Bodies::State>& before,
                             const typename Bodies::Numbers::DriftSum (&fall)[3],
                             const VectorBlock<typename Bodies::Numbers>& point,
                             typename Bodies::Work steps_per_second) {
@@ -175,7 +164,7 @@ template <class T, class Bodies>
         typename N::Scale unit = bodies.spin_scale(b);
         if constexpr (Bodies::has_parts) {
             for (int h = bodies.halvings_of(b); h < before.halvings; ++h) N::halve(now);
-            for (int h = before.halvings; h < bodies.halvings_of(b); ++h) N::halve(from);
+            bodies.to_scale_of(b, from, before.halvings);
             if (before.halvings > bodies.halvings_of(b)) unit = bodies.scale.halved(before.halvings);
         }
         for (int i = 0; i < 3; ++i) {

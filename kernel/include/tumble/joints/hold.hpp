@@ -83,20 +83,13 @@ private:
     using J = JointNumbers<N>;
     using Node = JointNode<N>;
 
-    // The motion of a body where a part begins. It is set where it is read.
-    struct Start {
-        typename Bodies::State state;
-        int halvings;
-        Start() {}  // NOLINT(modernize-use-equals-default): without this the states would be set to zero
-    };
-
     Forest& forest_;
     Bodies& bodies_;
     const Trees& trees_;
     JointMeasures<N, features> measures_;
     Vector first_v_[Forest::most_nodes], first_w_[Forest::most_nodes];
     // Where a part begins: motions, status, and half kicks of the joints.
-    Start start_[features.bodies];
+    SavedMotions<Bodies> start_;
     Status status_;
     Kick<N> guess_[Forest::most_nodes];
     int halvings_ = 0;  // of the step, in the present part
@@ -139,10 +132,7 @@ private:
     // Moves the group over a part, closed at its end. Else it is where the part begins, and the result is false.
     template <class Fly, class SpinChanged>
     [[nodiscard]] bool is_moved(const Group& group, Fly& fly, SpinChanged& spin_changed) {
-        for (int k = 0; k < group.count; ++k) {
-            copy(start_[k].state, bodies_.state[group.id[k]]);
-            start_[k].halvings = bodies_.halvings_of(group.id[k]);
-        }
+        for (int k = 0; k < group.count; ++k) start_.save(k, bodies_, group.id[k]);
         status_ = bodies_.status;
         each([&](const JointTreeState& tree) {
             each_node(tree, [&](const Node&, int i) { copy(guess_[i], forest_.kicks()[i]); });
@@ -185,19 +175,7 @@ private:
         return false;
     }
 
-    // Copies that need no call.
-    static void copy(typename Bodies::State& to, const typename Bodies::State& from) {
-        // All members: what is left is padding.
-        static_assert(sizeof to <
-                      sizeof to.x_w + sizeof to.d_w + sizeof to.q_wb + sizeof to.t_b + alignof(typename Bodies::State));
-        to.x_w = from.x_w;
-        detail::keep_apart();
-        to.d_w = from.d_w;
-        detail::keep_apart();
-        to.q_wb = from.q_wb;
-        detail::keep_apart();
-        to.t_b = from.t_b;
-    }
+    // Without a call.
     static void copy(Kick<N>& to, const Kick<N>& from) {
         for (int k = 0; k < 3; ++k) {
             to.linear[k] = from.linear[k];
@@ -280,10 +258,8 @@ private:
     template <class SpinChanged>
     void go_back(const Group& group, SpinChanged& spin_changed) {
         for (int k = 0; k < group.count; ++k) {
-            const int b = group.id[k];
-            copy(bodies_.state[b], start_[k].state);
-            if constexpr (Bodies::has_parts) bodies_.set_halvings(b, start_[k].halvings);
-            spin_changed(b);
+            start_.restore(k, bodies_, group.id[k]);
+            spin_changed(group.id[k]);
         }
         bodies_.status = status_;
     }

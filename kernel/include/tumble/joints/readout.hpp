@@ -96,6 +96,15 @@ public:
         force = scaled_by(force, scale);
         torque = scaled_by(torque, scale);
     }
+    // True where the end of the last step has loaded the joint beyond this strength.
+    [[nodiscard]] bool exceeds(const JointStrength<N>& strength) const {
+        Vector force, torque;
+        load(force, torque);
+        const auto is_beyond = [](const Vector& load, Work limit) {
+            return limit > Work(0) && Work(dot(load, load)) > limit * limit;
+        };
+        return is_beyond(force, strength.force) || is_beyond(torque, strength.torque);
+    }
 
 private:
     const Forest& forest_;

@@ -1,7 +1,6 @@
 // WorldEvents<Scene>: what events do to a world, at once or when a script says so.
 #pragma once
 
-#include <tumble/joints/readout.hpp>
 #include <tumble/world/world_setup.hpp>
 
 namespace tumble {
@@ -11,13 +10,12 @@ class WorldEvents : protected WorldSetup<S> {
     using Base = WorldSetup<S>;
 
 protected:
-    using Base::contains, Base::steps_per_second, Base::seconds, Base::remember_all, Base::place_of, Base::now,
-        Base::tell_gravity, Base::has_changed, Base::replaced, Base::disturb;
+    using Base::contains, Base::joint_reader, Base::steps_per_second, Base::seconds, Base::remember_all, Base::place_of,
+        Base::now, Base::tell_gravity, Base::has_changed, Base::replaced, Base::disturb;
     using Base::features, Base::has_contacts, Base::advance_, Base::contacts_, Base::recording_, Base::digest_,
         Base::places_;
-    using typename Base::N, typename Base::Work, typename Base::Advance, typename Base::State, typename Base::Bodies,
-        typename Base::Required;
-    using Base::Base;
+    using typename Base::N, typename Base::Work, typename Base::Advance, typename Base::State, typename Base::Required;
+    constexpr WorldEvents(const WorldSpec& spec, Seconds step) : Base{spec, step} {}
 
     // An event of a body that has not been added is misuse.
     template <class Timed>
@@ -88,18 +86,9 @@ protected:
     // velocities does not count: it is shared by the tree without time.
     void break_overloaded() requires(features.joint_breaks) {
         bool is_overloaded[features.joints];
-        for (int j = 0; j < features.joints; ++j) {
-            is_overloaded[j] = false;
-            const auto& strength = advance_.joints.strength(j);
-            if (!advance_.joints.holds(j) || !strength.has_limits()) continue;
-            WorkVec3<N> force, torque;
-            tumble::detail::JointReader<N, features, Bodies>{advance_.joints, advance_.bodies, j, steps_per_second()}
-                .load(force, torque);
-            const auto exceeds = [](const WorkVec3<N>& load, Work limit) {
-                return limit > Work(0) && Work(dot(load, load)) > limit * limit;
-            };
-            is_overloaded[j] = exceeds(force, strength.force) || exceeds(torque, strength.torque);
-        }
+        for (int j = 0; j < features.joints; ++j)
+            is_overloaded[j] = advance_.joints.holds(j) && advance_.joints.strength(j).has_limits() &&
+                               joint_reader(j).exceeds(advance_.joints.strength(j));
         for (int j = 0; j < features.joints; ++j)
             if (is_overloaded[j]) act_on_joint<EventKind::break_joint>({j, advance_.joints.generation(j)});
     }

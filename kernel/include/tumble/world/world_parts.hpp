@@ -7,6 +7,7 @@
 #include <tumble/contact/contacts.hpp>
 #include <tumble/events/readout.hpp>
 #include <tumble/events/script.hpp>
+#include <tumble/joints/readout.hpp>
 #include <tumble/required.hpp>
 
 namespace tumble {
@@ -75,6 +76,10 @@ protected:
     [[nodiscard]] Work seconds() const {
         if constexpr (Advance::has_wrenches) return advance_.wrenches.seconds;
         else return N::template constant<Work>(advance_.bodies.step_length);
+    }
+    [[nodiscard]] auto joint_reader(int j) const {
+        return tumble::detail::JointReader<N, features, Bodies>{advance_.joints, advance_.bodies, j,
+                                                                steps_per_second()};
     }
     // Keeps the motion of a body, for imu().
     constexpr void remember(int b) requires has_imu {
@@ -164,8 +169,7 @@ protected:
     [[no_unique_address]] If<features.recording, Recording<N>*, 8> recording_{};
     [[no_unique_address]] If<features.snapshots, tumble::detail::Digest, 10> digest_{};
     [[no_unique_address]] If<features.removal, Places<(features.bodies > 0 ? features.bodies : 1)>, 9> places_{};
-    [[no_unique_address]] If<has_imu,
-                             typename tumble::detail::RoomFor<detail::MotionBefore<State>, features.bodies>::Array, 7>
+    [[no_unique_address]] If<has_imu, typename tumble::detail::RoomFor<KeptMotion<State>, features.bodies>::Array, 7>
         before_{};
     [[no_unique_address]] If<has_events, std::uint32_t, 5> wraps_{};  // how often the number of steps began anew
 };

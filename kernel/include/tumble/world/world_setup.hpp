@@ -13,7 +13,7 @@ protected:
     using Base::features, Base::has_contacts, Base::has_imu, Base::advance_, Base::contacts_, Base::places_;
     using Base::remember, Base::refuse_to_record, Base::note, Base::disturb, Base::touches;
     using typename Base::Advance, typename Base::Required;
-    using Base::Base;
+    constexpr WorldSetup(const WorldSpec& spec, Seconds step) : Base{spec, step} {}
 
     constexpr BodyId add(const BodySpec& spec) requires(features.bodies > 0) {
         refuse_to_record();

@@ -15,7 +15,7 @@ protected:
     using Base::remember, Base::now, Base::replaced, Base::disturb;
     using typename Base::N, typename Base::Integrator, typename Base::Work, typename Base::Advance,
         typename Base::Bodies, typename Base::Contacts;
-    using Base::Base;
+    constexpr WorldSnapshots(const WorldSpec& spec, Seconds step) : Base{spec, step} {}
 
     [[nodiscard]] int snapshot_size(SnapshotPart part) const {
         detail::SnapshotWriter count;
