@@ -104,9 +104,9 @@ void explain(const std::string& map, double x, double y, const stress::Choice& c
     stress::map_named(map).prepare({y});
     for (const stress::Job& job : stress::jobs_of(choice)) {
         if (job.map->name() != map) continue;
-        const stress::Verdict verdict = job.map->judge(x, y, job.method());
-        std::cout << static_cast<char>(verdict.outcome) << ' ' << job.integrator << ' ' << job.variant.name;
-        if (verdict.outcome != stress::Outcome::told) {
+        const stress::Judgement judgement = job.map->judge(x, y, job.method());
+        std::cout << static_cast<char>(judgement.outcome) << ' ' << job.integrator << ' ' << job.variant.name;
+        if (judgement.outcome != stress::Outcome::told) {
             const stress::Measured run = job.map->measure(x, y, job.method());
             const auto add = [](const char* what, double value) {
                 std::cout << ", " << what << ' ' << tumble::host::few_digits(value);
@@ -116,7 +116,7 @@ void explain(const std::string& map, double x, double y, const stress::Choice& c
             add("energy ratio", run.energy_most);
             add("norm error", run.norm_error);
         }
-        std::cout << (verdict.cause.empty() ? "" : ": ") << verdict.cause << '\n';
+        std::cout << (judgement.cause.empty() ? "" : ": ") << judgement.cause << '\n';
     }
 }
 

@@ -103,7 +103,7 @@ std::optional<double> Map::limit_where(double y, const std::function<bool(double
     return within;
 }
 
-Verdict Map::judge(double x, double y, const Method& method) const {
+Judgement Map::judge(double x, double y, const Method& method) const {
     std::unique_ptr<host::Simulation> simulation;
     try {
         simulation = host::make_simulation(scene(x, y), method.integrator, method.numbers, method.carry);
@@ -111,7 +111,7 @@ Verdict Map::judge(double x, double y, const Method& method) const {
     return judge(x, y, method, *simulation);
 }
 
-Verdict Map::judge(double x, double y, const Method& method, host::Simulation& simulation) const {
+Judgement Map::judge(double x, double y, const Method& method, host::Simulation& simulation) const {
     Expectation expectation;
     expectation.floor = rounding_floor(x, y, method);
     expectation.of_order = [&] { return expected_error(x, y, method); };
@@ -131,7 +131,7 @@ Verdict Map::judge(double x, double y, const Method& method, host::Simulation& s
     return stress::judge(measure_run(x, y, simulation), expectation);
 }
 
-Verdict judge(const Measured& run, const Expectation& expectation) {
+Judgement judge(const Measured& run, const Expectation& expectation) {
     const Bounds& bounds = expectation.bounds;
     const auto explained_up_to = [&](double largest) {
         const auto by = [&](double expected) { return run.error <= std::min(accurate_factor * expected, largest); };
@@ -150,7 +150,7 @@ Verdict judge(const Measured& run, const Expectation& expectation) {
             return {status == name_of(Issue::range_left) ? Outcome::range_left : Outcome::told, status};
         }
         const std::string verdict = expectation.wrong();
-        return verdict.empty() ? Verdict{Outcome::silent, wrong} : Verdict{Outcome::blows_up, verdict};
+        return verdict.empty() ? Judgement{Outcome::silent, wrong} : Judgement{Outcome::blows_up, verdict};
     }
     if (run.error <= always_accurate || explained_up_to(largest_accurate_error)) return {Outcome::accurate, {}};
     if (!expectation.is_f64 && run.error > least_silent_error && run.error > number_system_factor * expectation.floor) {

@@ -94,7 +94,7 @@ private:
     }
 };
 
-struct Verdict {
+struct Judgement {
     Outcome outcome = Outcome::not_run;
     std::string cause;  // why it is not accurate, in a few words; a status by its name
 };
@@ -136,8 +136,8 @@ public:
     // where it never is, empty where it always is or theory does not say.
     [[nodiscard]] virtual std::optional<double> limit(double /*y*/, const Method& /*method*/) const { return {}; }
     // The outcome of a cell, or of a simulation of it that has not begun.
-    [[nodiscard]] Verdict judge(double x, double y, const Method& method) const;
-    [[nodiscard]] Verdict judge(double x, double y, const Method& method, host::Simulation& simulation) const;
+    [[nodiscard]] Judgement judge(double x, double y, const Method& method) const;
+    [[nodiscard]] Judgement judge(double x, double y, const Method& method, host::Simulation& simulation) const;
 
 protected:
     virtual void change(SceneFile& scene, double x, double y) const = 0;
@@ -176,7 +176,7 @@ struct Expectation {
     bool is_f64 = false;
     Bounds bounds;
 };
-[[nodiscard]] Verdict judge(const Measured& run, const Expectation& expectation);
+[[nodiscard]] Judgement judge(const Measured& run, const Expectation& expectation);
 
 // The relative error of one rounding: 2^-53 in f64, 2^-24 in f32; in fixed point half the last digit of a quantity of
 // this size, which has 30 bits below the limit of the scene's range.

@@ -59,12 +59,12 @@ std::int64_t cost_of(const std::vector<Cell>& cells) {
 }
 
 // The message about a cell from a child process.
-std::string line_of(const Verdict& verdict) {
-    std::string cause = verdict.cause.substr(0, 200);
+std::string line_of(const Judgement& judgement) {
+    std::string cause = judgement.cause.substr(0, 200);
     std::replace(cause.begin(), cause.end(), '\n', ' ');
-    return static_cast<char>(verdict.outcome) + cause + '\n';
+    return static_cast<char>(judgement.outcome) + cause + '\n';
 }
-Verdict verdict_of(const std::string& line) { return {static_cast<Outcome>(line.at(0)), line.substr(1)}; }
+Judgement judgement_of(const std::string& line) { return {static_cast<Outcome>(line.at(0)), line.substr(1)}; }
 
 // An unfinished row, and the process that judges its cells from a given one on.
 class RunningRow {
@@ -77,7 +77,7 @@ public:
     [[nodiscard]] int descriptor() const { return pipe_; }
     [[nodiscard]] bool is_done() const { return pipe_ < 0; }
     [[nodiscard]] const Job& job() const { return *job_; }
-    [[nodiscard]] const std::vector<Verdict>& verdicts() const { return verdicts_; }
+    [[nodiscard]] const std::vector<Judgement>& judgements() const { return judgements_; }
     // For each y; null if there is none.
     [[nodiscard]] const Row& limits() const { return limits_; }
 
@@ -85,12 +85,12 @@ public:
     std::int64_t read_on() {
         char buffer[4096];
         const ssize_t count = ::read(pipe_, buffer, sizeof buffer);
-        const std::size_t before = verdicts_.size();
+        const std::size_t before = judgements_.size();
         if (count > 0) {
             text_.append(buffer, static_cast<std::size_t>(count));
             for (std::size_t end; (end = text_.find('\n')) != std::string::npos; text_.erase(0, end + 1)) {
                 const std::string line = text_.substr(0, end);
-                if (verdicts_.size() < cells_->size()) verdicts_.push_back(verdict_of(line));
+                if (judgements_.size() < cells_->size()) judgements_.push_back(judgement_of(line));
                 else limits_ = Row::parse(line);
             }
             last_ = Clock::now();
@@ -102,7 +102,7 @@ public:
     // Ends a cell that exceeds its time.
     std::int64_t watch(double seconds) {
         if (std::chrono::duration<double>(Clock::now() - last_).count() < seconds) return 0;
-        const std::size_t before = verdicts_.size();
+        const std::size_t before = judgements_.size();
         kill(child_, SIGKILL);
         finish("no end within " + host::few_digits(seconds) + " s");
         return steps_since(before);
@@ -111,7 +111,7 @@ public:
 private:
     [[nodiscard]] std::int64_t steps_since(std::size_t before) const {
         std::int64_t steps = 0;
-        for (std::size_t i = before; i < verdicts_.size(); ++i) steps += (*cells_)[i].steps;
+        for (std::size_t i = before; i < judgements_.size(); ++i) steps += (*cells_)[i].steps;
         return steps;
     }
 
@@ -133,7 +133,7 @@ private:
 
     // In the child.
     void judge_cells(int out) const {
-        for (std::size_t i = verdicts_.size(); i < cells_->size(); ++i) {
+        for (std::size_t i = judgements_.size(); i < cells_->size(); ++i) {
             const Cell& cell = (*cells_)[i];
             write_line(out, line_of(job_->map->judge(cell.x, cell.y, job_->method())));
         }
@@ -160,16 +160,16 @@ private:
         if (!limits_.is_null()) return;
         const std::string end = WIFSIGNALED(status) ? std::string{"ended by "} + strsignal(WTERMSIG(status))
                                                     : "ended with status " + std::to_string(WEXITSTATUS(status));
-        if (verdicts_.size() == cells_->size())
+        if (judgements_.size() == cells_->size())
             throw std::runtime_error{job_->map->name() + ", " + job_->integrator + ", limits: " + end};
-        verdicts_.push_back({Outcome::silent, cause.empty() ? end : cause});
+        judgements_.push_back({Outcome::silent, cause.empty() ? end : cause});
         start();
     }
 
     const Job* job_;
     const std::vector<Cell>* cells_;
     bool with_limits_;  // they cost as much as the runs of a coarse map
-    std::vector<Verdict> verdicts_;
+    std::vector<Judgement> judgements_;
     Row limits_;
     std::string text_;
     int pipe_ = -1;
@@ -179,7 +179,7 @@ private:
 
 Row row_of(const RunningRow& running, const std::vector<Cell>& cells) {
     const Job& job = running.job();
-    const std::vector<Verdict>& verdicts = running.verdicts();
+    const std::vector<Judgement>& judgements = running.judgements();
     Row row;
     row["map"] = job.map->name();
     row["integrator"] = job.integrator;
@@ -188,9 +188,9 @@ Row row_of(const RunningRow& running, const std::vector<Cell>& cells) {
     std::string letters;
     Row causes = Row::array();
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        letters += static_cast<char>(verdicts[i].outcome);
-        if (verdicts[i].outcome == Outcome::silent)
-            causes.push_back({{"x", cells[i].x}, {"y", cells[i].y}, {"cause", verdicts[i].cause}});
+        letters += static_cast<char>(judgements[i].outcome);
+        if (judgements[i].outcome == Outcome::silent)
+            causes.push_back({{"x", cells[i].x}, {"y", cells[i].y}, {"cause", judgements[i].cause}});
     }
     row["cells"] = letters;
     row["silent"] = causes.size();

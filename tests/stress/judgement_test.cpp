@@ -14,7 +14,7 @@ using tumble::host::Liar;
 using tumble::host::SceneDescription;
 
 // Letters of outcomes.
-char letter(const Verdict& verdict) { return static_cast<char>(verdict.outcome); }
+char letter(const Judgement& judgement) { return static_cast<char>(judgement.outcome); }
 char outcome_of(const Map& map, double x, double y, const Method& method) { return letter(map.judge(x, y, method)); }
 bool is_wrong(char outcome) { return outcome == 's' || outcome == 'b'; }
 
