@@ -1,8 +1,8 @@
 #include "contacts.hpp"
 
+#include "accuracy/known_places.hpp"
 #include "firmware/callgrind.hpp"
-#include "known_places.hpp"
-#include "rows.hpp"
+#include "rows/rows.hpp"
 #include "scene/scene_file.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "contender.hpp"
 
 #include "firmware/callgrind.hpp"
-#include "rows.hpp"
+#include "rows/rows.hpp"
 #include "truth/trajectory.hpp"
 
 #include <algorithm>

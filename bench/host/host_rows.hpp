@@ -1,7 +1,7 @@
 // Queries of the rows of bench/host, for tables and pictures.
 #pragma once
 
-#include "../rows.hpp"
+#include "rows/rows.hpp"
 
 namespace tumble::bench {
 

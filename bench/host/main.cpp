@@ -5,7 +5,7 @@
 // smallest is nearest to the cost of the program. Repetitions of all contenders of a problem are interleaved at random,
 // so that a change of the machine's clock affects all of them.
 #include "problems.hpp"
-#include "rows.hpp"
+#include "rows/rows.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -1,7 +1,7 @@
 // Draws the time of a step, divided by the number of bodies, against that number, a panel a scene: this kernel in each
 // number system and each engine's fastest method.
-#include "drawing.hpp"
 #include "host/host_rows.hpp"
+#include "pictures/drawing.hpp"
 
 #include <cmath>
 #include <optional>

@@ -1,6 +1,6 @@
 #include "problems.hpp"
 
-#include "closed_form.hpp"
+#include "accuracy/closed_form.hpp"
 #include "scene/scene_file.hpp"
 #include "truth/smooth_motion.hpp"
 

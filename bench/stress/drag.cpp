@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "closed_form.hpp"
+#include "accuracy/closed_form.hpp"
 #include "stress/maps.hpp"
 
 namespace tumble::bench::stress {

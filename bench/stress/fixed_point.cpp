@@ -16,7 +16,7 @@
 #include <cmath>
 #include <map>
 
-#include "reference.hpp"
+#include "accuracy/reference.hpp"
 #include "stress/maps.hpp"
 #include "truth/trajectory.hpp"
 

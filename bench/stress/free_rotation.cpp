@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "reference.hpp"
+#include "accuracy/reference.hpp"
 #include "stress/maps.hpp"
 
 namespace tumble::bench::stress {

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "drawing.hpp"
+#include "pictures/drawing.hpp"
 #include "tools/text.hpp"
 #include "verdict/verdict.hpp"
 

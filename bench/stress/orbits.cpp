@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "closed_form.hpp"
+#include "accuracy/closed_form.hpp"
 #include "stress/maps.hpp"
 
 namespace tumble::bench::stress {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "drawing.hpp"
+#include "pictures/drawing.hpp"
 
 namespace tumble::bench::stress {
 namespace {

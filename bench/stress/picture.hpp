@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "rows.hpp"
+#include "rows/rows.hpp"
 #include "stress/map.hpp"
 
 namespace tumble::bench::stress {

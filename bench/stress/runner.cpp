@@ -17,7 +17,7 @@
 #include <thread>
 #include <utility>
 
-#include "drawing.hpp"
+#include "pictures/drawing.hpp"
 #include "tools/files.hpp"
 
 namespace tumble::bench::stress {

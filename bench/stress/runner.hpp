@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "rows.hpp"
+#include "rows/rows.hpp"
+#include "rows/variants.hpp"
 #include "stress/map.hpp"
-#include "variants.hpp"
 
 namespace tumble::bench::stress {
 

@@ -2,7 +2,7 @@
 #include <signal.h>
 
 #include "command_runner.hpp"
-#include "rows.hpp"
+#include "rows/rows.hpp"
 #include "tools/output.hpp"
 
 namespace tumble::host {

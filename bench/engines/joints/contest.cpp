@@ -1,7 +1,7 @@
 #include "contest.hpp"
 
 #include "firmware/callgrind.hpp"
-#include "rows.hpp"
+#include "rows/rows.hpp"
 #include "truth.hpp"
 
 #include <algorithm>

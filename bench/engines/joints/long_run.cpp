@@ -1,7 +1,7 @@
 // A pendulum and a spherical pendulum in this kernel for ten million steps of 1/256 s: a row each with what the mean
 // energy of the last tenth is above that of the first, and with the largest gap after any step. Ends with status 1
 // where the energy has moved by more than 3e-5 of m g l, or a step reports something.
-#include "rows.hpp"
+#include "rows/rows.hpp"
 #include "world.hpp"
 
 #include <cmath>

@@ -1,9 +1,9 @@
 // What `make run` measures and prints: a job is one method in one number system on one core.
 #pragma once
 
-#include "rows.hpp"
+#include "rows/rows.hpp"
+#include "rows/variants.hpp"
 #include "scene/description.hpp"
-#include "variants.hpp"
 
 #include <cstdint>
 #include <string>

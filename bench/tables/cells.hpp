@@ -5,7 +5,7 @@
 #include <map>
 
 #include "firmware/cost.hpp"
-#include "table.hpp"
+#include "tables/table.hpp"
 
 namespace tumble::bench {
 

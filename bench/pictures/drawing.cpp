@@ -1,4 +1,4 @@
-#include "drawing.hpp"
+#include "pictures/drawing.hpp"
 
 #include <regex>
 

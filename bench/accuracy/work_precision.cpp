@@ -3,13 +3,13 @@
 // shares code with the kernel, and no method is compared with its own finest run. The host's bits are the cores' bits.
 // Costs are cycles and instructions of a step in QEMU, from rows of the problem or of a scene with the same work a
 // step. A run that leaves its range, blows up or does not converge is a row too.
-#include "closed_form.hpp"
+#include "accuracy/closed_form.hpp"
+#include "accuracy/reference.hpp"
 #include "peers/odeint.hpp"
-#include "reference.hpp"
-#include "rows.hpp"
+#include "rows/rows.hpp"
+#include "rows/variants.hpp"
 #include "scene/data.hpp"
 #include "tools/text.hpp"
-#include "variants.hpp"
 
 #include <CLI/CLI.hpp>
 

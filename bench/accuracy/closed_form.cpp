@@ -1,4 +1,4 @@
-#include "closed_form.hpp"
+#include "accuracy/closed_form.hpp"
 
 #include "truth/motion.hpp"
 

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "table.hpp"
+#include "tables/table.hpp"
 
 namespace tumble::bench {
 

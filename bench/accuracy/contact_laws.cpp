@@ -1,6 +1,6 @@
 // Scenes with contacts whose motion is known: how far the kernel is off, by the step. usage: tumble_contact_laws ROWS
-#include "known_places.hpp"
-#include "rows.hpp"
+#include "accuracy/known_places.hpp"
+#include "rows/rows.hpp"
 #include "scene/scene_file.hpp"
 #include "simulation/simulation.hpp"
 

@@ -1,11 +1,11 @@
 // The picture of the feature ladder: a row for each feature, panels for flash, RAM, stack and cycles, a bar for each
 // core. The dark end of a bar is the amount that the feature adds to the rung above.
-#include "ladder.hpp"
+#include "pictures/ladder.hpp"
 
 #include <array>
 #include <cmath>
 
-#include "drawing.hpp"
+#include "pictures/drawing.hpp"
 
 namespace tumble::bench {
 namespace {

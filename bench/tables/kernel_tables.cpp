@@ -1,4 +1,4 @@
-#include "kernel_tables.hpp"
+#include "tables/kernel_tables.hpp"
 
 #include <tumble/integrators/list.hpp>
 #include <tumble/tumble.hpp>

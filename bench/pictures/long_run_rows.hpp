@@ -10,7 +10,7 @@
 //   energy_first_tenth, energy_last_tenth   the largest errors in the first and the last tenth of the run
 #pragma once
 
-#include "rows.hpp"
+#include "rows/rows.hpp"
 
 #include <filesystem>
 #include <string>

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "rows.hpp"
+#include "rows/rows.hpp"
 
 namespace tumble::bench {
 

@@ -1,6 +1,6 @@
-#include "joint_tables.hpp"
+#include "tables/joint_tables.hpp"
 
-#include "cells.hpp"
+#include "tables/cells.hpp"
 
 namespace tumble::bench {
 namespace {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "drawing.hpp"
-#include "rows.hpp"
+#include "pictures/drawing.hpp"
+#include "rows/rows.hpp"
 
 namespace tumble::bench {
 

@@ -1,7 +1,7 @@
 // Tables of the rows of bench/engines/joints.
 #pragma once
 
-#include "table.hpp"
+#include "tables/table.hpp"
 
 namespace tumble::bench {
 

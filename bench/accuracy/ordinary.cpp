@@ -1,9 +1,9 @@
 // Two systems on which explicit Euler fails, integrated with the kernel's Butcher tables: a harmonic oscillator, to
 // which explicit Euler adds energy at any step, and the Lorenz equations, where every error grows a thousandfold within
 // seconds. Errors are against a closed form and an integration in long double.
-#include "ordinary.hpp"
+#include "accuracy/ordinary.hpp"
 
-#include "rows.hpp"
+#include "rows/rows.hpp"
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wuninitialized"

@@ -1,4 +1,4 @@
-#include "matrix.hpp"
+#include "cost/matrix.hpp"
 
 #include <algorithm>
 #include <array>

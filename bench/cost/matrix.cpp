@@ -1,11 +1,11 @@
 // The main job: replays one scene on the host and on every core with every integrator and number system, compares the
 // bits, and writes what a step costs as a table and as JSON lines. A row whose hash differs from the host's is marked
 // and makes the run fail; so does a firmware that faults or does not end.
-#include "matrix.hpp"
+#include "cost/matrix.hpp"
 
+#include "accuracy/reference.hpp"
 #include "command/command.hpp"
 #include "firmware/firmware.hpp"
-#include "reference.hpp"
 #include "scene/scene_file.hpp"
 #include "tools/files.hpp"
 #include "tools/text.hpp"

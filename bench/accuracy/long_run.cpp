@@ -3,9 +3,9 @@
 // below, each with its errors over time, which are checked against the bounds of long_run_rows.hpp. All runs are on the
 // host, whose bits are the cores' bits. A run that leaves its range, blows up or does not converge is a row too, with
 // the step of its failure.
-#include "drawing.hpp"
-#include "long_run_rows.hpp"
-#include "variants.hpp"
+#include "pictures/drawing.hpp"
+#include "pictures/long_run_rows.hpp"
+#include "rows/variants.hpp"
 
 #include "truth/smooth_motion.hpp"
 #include "verdict/accuracy.hpp"

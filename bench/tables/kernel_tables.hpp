@@ -1,7 +1,7 @@
 // Tables and figures of the kernel's own constants, as its headers state them.
 #pragma once
 
-#include "table.hpp"
+#include "tables/table.hpp"
 
 namespace tumble::bench {
 

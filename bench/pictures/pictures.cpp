@@ -4,12 +4,12 @@
 // number system and labelled at their ends. The twelve other curves whose cost comes closest to the front's are grey;
 // the rest is not drawn. A curve keeps only runs that gain accuracy for their cost: where rounding stops a method, its
 // curve ends.
-#include "drawing.hpp"
 #include "host/host_rows.hpp"
-#include "labels.hpp"
-#include "ladder.hpp"
-#include "long_run_rows.hpp"
-#include "rows.hpp"
+#include "pictures/drawing.hpp"
+#include "pictures/labels.hpp"
+#include "pictures/ladder.hpp"
+#include "pictures/long_run_rows.hpp"
+#include "rows/rows.hpp"
 
 #include <CLI/CLI.hpp>
 

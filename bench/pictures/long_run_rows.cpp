@@ -1,6 +1,6 @@
-#include "long_run_rows.hpp"
+#include "pictures/long_run_rows.hpp"
 
-#include "drawing.hpp"
+#include "pictures/drawing.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "reference.hpp"
+#include "accuracy/reference.hpp"
 
 #include "scene/data.hpp"
 #include "simulation/simulation.hpp"

@@ -8,16 +8,16 @@
 #include <map>
 #include <set>
 
-#include "cells.hpp"
 #include "firmware/firmware.hpp"
 #include "host/host_tables.hpp"
-#include "joint_tables.hpp"
-#include "kernel_tables.hpp"
-#include "ladder.hpp"
-#include "long_run_rows.hpp"
-#include "pages.hpp"
+#include "pictures/ladder.hpp"
+#include "pictures/long_run_rows.hpp"
 #include "port.hpp"
 #include "scene/data.hpp"
+#include "tables/cells.hpp"
+#include "tables/joint_tables.hpp"
+#include "tables/kernel_tables.hpp"
+#include "tables/pages.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // The cost of a step of the peers' and engines' firmware on a core: a row for each program, with cycles if the core has
 // a timing table, and with its sizes.
-#include "rows.hpp"
-#include "variants.hpp"
+#include "rows/rows.hpp"
+#include "rows/variants.hpp"
 
 #include <tumble/status.hpp>
 
