@@ -384,18 +384,6 @@ Table engines_table(Rows rows) {
                         "insn per step, x86-64:insn_per_step"));
 }
 
-// The way of each engine and number system that keeps the orientation best.
-Table engines_summary_table(const Rows& rows) {
-    Rows best;
-    for (const Row& row : rows) {
-        const Where way{{"engine", row.at("engine")}, {"numbers", numbers_of(row)}};
-        const auto other = std::find_if(best.begin(), best.end(), [&](const Row& b) { return is_where(b, way); });
-        if (other == best.end()) best.push_back(row);
-        else if (row.at("orientation_error_rad") < other->at("orientation_error_rad")) *other = row;
-    }
-    return engines_table(best);
-}
-
 // With a star where the kernel reported something.
 std::string error_or_trouble(const Row& row) {
     const std::string error = row.contains("failure") || row.contains("error") ? error_of(row) : "-";
@@ -587,7 +575,6 @@ const Makers makers{
     {"table host", [](R r) { return host_table(r["host"]); }},
     {"table host_many", [](R r) { return host_many_table(r["host"]); }},
     {"table host_growth", [](R r) { return host_growth_table(r["host"]); }},
-    {"table engines_summary", [](R r) { return engines_summary_table(r["engines"]); }},
     {"table engines", [](R r) { return engines_table(r["engines"]); }},
     {"table engine_contacts", [](R r) { return engine_contacts_table(r["engine_contacts"]); }},
     {"table joints", [](R r) { return joints_table(r["joints"]); }},
