@@ -82,10 +82,6 @@ private:
     return std::round(value / unit) * unit;
 }
 
-// The moments of a body whose tensor is diagonal in its own axes.
-[[nodiscard]] inline Vector moments_of(const BodySpec& body) {
-    return {number(body.inertia.xx), number(body.inertia.yy), number(body.inertia.zz)};
-}
 [[nodiscard]] inline Vector world_spin(const Motion& m) { return m.q.normalized().rotate(m.w); }
 
 // Sums over the free bodies.

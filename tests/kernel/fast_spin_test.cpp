@@ -41,9 +41,6 @@ std::vector<Body> bodies() {
             {"disc", cylinder(0.5, 0.1, 0.005)},
             {"needle", cylinder(0.1, 0.002, 0.4)}};
 }
-Vector moments_of(const BodySpec& body) {
-    return {number(body.inertia.xx), number(body.inertia.yy), number(body.inertia.zz)};
-}
 
 TEST_P(FastSpin, about_a_principal_axis_turns_a_body_as_the_closed_form_says_or_is_reported) {
     for (const Body& each : bodies()) {

@@ -5,6 +5,10 @@
 
 #include "kinds.hpp"
 
+#include <array>
+#include <cmath>
+#include <numbers>
+
 namespace tumble::test {
 
 namespace joint_cases {
@@ -30,6 +34,16 @@ inline constexpr Features features_of = own;
 template <Features own>
 inline constexpr Features features_of = shared;
 #endif
+// s: of a pendulum that is let go at the angle a, 2 pi / agm(1, cos(a / 2)) times the root of I / (m g d).
+[[nodiscard]] inline double pendulum_period(double angle, double inertia, double moment) {
+    double a = 1, b = std::cos(angle / 2);
+    for (int i = 0; i < 8; ++i) {
+        const double mean = (a + b) / 2;
+        b = std::sqrt(a * b);
+        a = mean;
+    }
+    return 2 * std::numbers::pi * std::sqrt(inertia / moment) / a;
+}
 }  // namespace joint_cases
 
 // The kinds of worlds of these cases; `More` those of the deep set besides.
@@ -50,6 +64,32 @@ protected:
     [[nodiscard]] static World floating(Seconds step = {1, 256}) { return World{step, {}}; }
     static void run(World& world, int steps) {
         for (int i = 0; i < steps; ++i) (void)world.step();
+    }
+    [[nodiscard]] static Vector3<double> place(const World& world, BodyId id) {
+        const auto& x = world.state(id).x_w;
+        return {x.x.to_real().to_double(), x.y.to_real().to_double(), x.z.to_real().to_double()};
+    }
+    [[nodiscard]] static Vector3<double> velocity(const World& world, BodyId id) {
+        return world.velocity(id).template as<double>();
+    }
+    [[nodiscard]] static Vector3<double> spin(const World& world, BodyId id) {
+        return rotate(world.orientation(id).template as<double>(), world.angular_velocity(id).template as<double>());
+    }
+    [[nodiscard]] static double length(const Vector3<double>& x) { return std::sqrt(dot(x, x)); }
+    // N s, and N m s about the origin, of all bodies.
+    [[nodiscard]] static std::array<Vector3<double>, 2> momenta(const World& world) {
+        Vector3<double> p{}, l{};
+        for (int b = 0; b < world.body_count(); ++b) {
+            const BodyId id{b};
+            const auto of_body = velocity(world, id) * static_cast<double>(world.mass(id));
+            const auto w = world.angular_velocity(id).template as<double>();
+            const InertiaTensor i = world.inertia(id);
+            p += of_body;
+            l += cross(place(world, id), of_body) +
+                 rotate(world.orientation(id).template as<double>(),
+                        Vector3<double>{i.xx.to_double() * w.x, i.yy.to_double() * w.y, i.zz.to_double() * w.z});
+        }
+        return {p, l};
     }
     // J, of all bodies.
     [[nodiscard]] static double energy(const World& world) {

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 namespace tumble::test::joint_distances {
@@ -32,27 +31,12 @@ protected:
         (void)world.add(DistanceSpec{.body = ball, .point = position, .least = least, .most = most});
         return ball;
     }
-    [[nodiscard]] static Vector3<double> place(const World& world, BodyId id) {
-        const auto& x = world.state(id).x_w;
-        return {x.x.to_real().to_double(), x.y.to_real().to_double(), x.z.to_real().to_double()};
-    }
-    [[nodiscard]] static double distance(const Vector3<double>& x) { return std::sqrt(dot(x, x)); }
-    [[nodiscard]] static Vector3<double> velocity(const World& world, BodyId id) {
-        return world.velocity(id).template as<double>();
-    }
     [[nodiscard]] static int limit(const World& world) { return world.template joint<double>(JointId{0}).at_limit; }
 };
 TYPED_TEST_SUITE(Distances, DistanceKinds);
 
-// 2 pi / agm(1, cos(a / 2)) times the root of l / g.
 TYPED_TEST(Distances, a_ball_on_a_rod_swings_as_the_mathematical_pendulum) {
-    double a = 1, b = std::cos(1.25);
-    for (int i = 0; i < 8; ++i) {
-        const double mean = (a + b) / 2;
-        b = std::sqrt(a * b);
-        a = mean;
-    }
-    const double period = 2 * std::numbers::pi * std::sqrt(1 / g) / a;
+    const double period = joint_cases::pendulum_period(2.5, 1, g);
     std::vector<double> errors;
     for (const int rate : {256, 512}) {
         auto world = this->falling({1, rate});
@@ -62,7 +46,7 @@ TYPED_TEST(Distances, a_ball_on_a_rod_swings_as_the_mathematical_pendulum) {
         for (int step = 1; passages < 3; ++step) {
             this->run(world, 1);
             const auto at = this->place(world, ball);
-            EXPECT_NEAR(this->distance(at), 1, this->closed);
+            EXPECT_NEAR(this->length(at), 1, this->closed);
             if (at.y < 0 && x * at.x <= 0) {
                 const double v = this->velocity(world, ball).x;
                 t = (step - at.x / v * rate) / rate;
@@ -114,7 +98,7 @@ TYPED_TEST(Distances, what_hangs_on_a_slack_rope_flies_freely) {
     const auto joint = world.template joint<double>(JointId{0});
     EXPECT_EQ(joint.at_limit, 0);
     EXPECT_EQ(joint.force.x, 0);
-    EXPECT_NEAR(joint.travel, this->distance(this->place(world, ball)), 1e-6);
+    EXPECT_NEAR(joint.travel, this->length(this->place(world, ball)), 1e-6);
 }
 
 // It falls by 1 m and hangs.
@@ -124,7 +108,7 @@ TYPED_TEST(Distances, a_rope_that_goes_taut_stops_what_falls) {
     int taut_at = 0;
     for (int step = 1; step <= 256; ++step) {
         this->run(world, 1);
-        EXPECT_LT(this->distance(this->place(world, ball)), 2 + this->closed);
+        EXPECT_LT(this->length(this->place(world, ball)), 2 + this->closed);
         if (taut_at == 0 && this->limit(world) == 1) taut_at = step;
     }
     EXPECT_NEAR(taut_at / 256.0, std::sqrt(2 / g), 1.0 / 256);
@@ -174,7 +158,7 @@ TYPED_TEST(Distances, a_least_distance_presses_and_does_not_pull) {
     for (int step = 0; step < 1024 && this->limit(world) == -1; ++step) {
         y = this->place(world, ball).y;
         this->run(world, 1);
-        EXPECT_GT(this->distance(this->place(world, ball)), 1 - this->closed);
+        EXPECT_GT(this->length(this->place(world, ball)), 1 - this->closed);
     }
     EXPECT_NEAR(y, 2.0 / 3, 0.02);
 }
@@ -213,31 +197,17 @@ TYPED_TEST(Distances, a_rope_between_two_bodies_keeps_momentum_and_angular_momen
                  b = world.add(at(box(3, {0.5, 0.25, 0.5}), {0.5, 0, 0}, {1, 0, 0.25}));
     (void)world.add(
         DistanceSpec{.body = a, .to_body = b, .point = {-0.5, 0.25, 0}, .to_point = {0.5, -0.125, 0}, .most = 1.5});
-    const auto sums = [&] {
-        Vector3<double> p{}, l{};
-        for (const BodyId id : {a, b}) {
-            const double m = id == a ? 1 : 3;
-            const auto x = this->place(world, id), v = this->velocity(world, id);
-            const auto w = world.angular_velocity(id).template as<double>();
-            const InertiaTensor i = world.inertia(id);
-            p += v * m;
-            l += cross(x, v * m) +
-                 rotate(world.orientation(id).template as<double>(),
-                        Vector3<double>{i.xx.to_double() * w.x, i.yy.to_double() * w.y, i.zz.to_double() * w.z});
-        }
-        return std::array{p, l};
-    };
-    const auto before = sums();
+    const auto before = this->momenta(world);
     bool was_taut = false;
     for (int step = 0; step < 512; ++step) {
         this->run(world, 1);
         was_taut = was_taut || this->limit(world) == 1;
     }
-    const auto after = sums();
+    const auto after = this->momenta(world);
     EXPECT_TRUE(was_taut);
     EXPECT_GT(std::abs(static_cast<double>(world.angular_velocity(a).z)), 0.1);
-    EXPECT_LT(this->distance(after[0] - before[0]), this->is_single ? 1e-4 : 5e-6);
-    EXPECT_LT(this->distance(after[1] - before[1]), this->is_single ? 1e-3 : 1e-5);
+    EXPECT_LT(this->length(after[0] - before[0]), this->is_single ? 1e-4 : 5e-6);
+    EXPECT_LT(this->length(after[1] - before[1]), this->is_single ? 1e-3 : 1e-5);
     EXPECT_TRUE(world.status().ok());
 }
 
@@ -306,7 +276,7 @@ TYPED_TEST(Distances, a_pose_beyond_the_rope_is_brought_back) {
     this->run(world, 16);
     world.set_pose(ball, {0, -1.25, 0});
     this->run(world, 1);
-    EXPECT_NEAR(this->distance(this->place(world, ball)), 1, 1e-6);
+    EXPECT_NEAR(this->length(this->place(world, ball)), 1, 1e-6);
     world.set_pose(ball, {0, -0.5, 0});
     this->run(world, 1);
     EXPECT_EQ(this->limit(world), 0);

@@ -2,7 +2,7 @@
 // reduced coordinates, conserved quantities and the same mechanism built otherwise.
 #include <tumble/tumble.hpp>
 
-#include "kinds.hpp"
+#include "joint_cases.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace tumble::test {
+namespace tumble::test::joint_trees {
 namespace {
 
 using JointKindsTested =
@@ -45,17 +45,6 @@ using Rotation = Quaternion<double>;
     body.fixed = true;
     return body;
 }
-// 2 pi / agm(1, cos(a / 2)) times the root of I / (m g d): of a pendulum that is let go at the angle a.
-[[nodiscard]] double pendulum_period(double angle, double inertia, double moment) {
-    double a = 1, b = std::cos(angle / 2);
-    for (int i = 0; i < 8; ++i) {
-        const double mean = (a + b) / 2;
-        b = std::sqrt(a * b);
-        a = mean;
-    }
-    return 2 * std::numbers::pi * std::sqrt(inertia / moment) / a;
-}
-
 // A world with joints, and what the test knows of them in double.
 template <class W>
 class Mechanism {
@@ -157,7 +146,7 @@ template <class W>
 class Joints : public testing::Test {
 protected:
     using N = typename W::Numbers;
-    using Mechanism = test::Mechanism<W>;
+    using Mechanism = joint_trees::Mechanism<W>;
     static constexpr bool in_fixed_point = N::fixed_point;
     static constexpr bool is_single = !N::fixed_point && sizeof(typename N::Unit) == 4,
                           carries_single = is_single && N::carry;
@@ -319,7 +308,7 @@ protected:
 TYPED_TEST_SUITE(Joints, JointKindsTested);
 
 TYPED_TEST(Joints, a_pendulum_has_the_period_of_the_arithmetic_geometric_mean) {
-    const double period = pendulum_period(2.5, this->rod, 9.81 / 2);
+    const double period = joint_cases::pendulum_period(2.5, this->rod, 9.81 / 2);
     std::vector<double> errors;
     for (const int rate : {64, 256, 1024}) {
         auto m = this->pendulum(2.5, {1, rate});
@@ -376,7 +365,7 @@ TYPED_TEST(Joints, a_falling_arm_and_a_gyroscope_are_of_order_two) {
 }
 
 TYPED_TEST(Joints, the_energy_of_a_pendulum_has_no_trend) {
-    const double period = pendulum_period(2.5, this->rod, 9.81 / 2);
+    const double period = joint_cases::pendulum_period(2.5, this->rod, 9.81 / 2);
     const auto moved = [&](int rate) {
         const int window = static_cast<int>(8 * period * rate);
         return std::abs(this->energy_moved(this->pendulum(2.5, {1, rate}), window, long_run) / 9.81);
@@ -546,7 +535,7 @@ TYPED_TEST(Joints, bodies_on_a_fixed_joint_swing_as_one) {
                            rotation_about({0, 0, 1}, 2.5)));
     (void)m.join(HingeSpec{.body = 0});
     (void)m.join(FixedSpec{.body = 1, .to_body = 0, .anchor = {half.x, half.y, 0}});
-    const double period = pendulum_period(2.5, this->rod, 9.81 / 2);
+    const double period = joint_cases::pendulum_period(2.5, this->rod, 9.81 / 2);
     EXPECT_NEAR(this->measured_period(m, 1.0 / 256) / period, 1, this->is_single ? 1e-4 : 4e-5);
 }
 
@@ -857,7 +846,8 @@ TYPED_TEST(Joints, boxes_in_any_pose_hang_still_on_a_fixed_joint_and_slide_on_a_
             m.run(1);
             const Vector force = m.joint(0).force;
             if (i % 2 == 0) {
-                EXPECT_LT(test::length(force - Vector{0, 9.81 * mass, 0}), (this->is_single ? 0.1 : 0.01) * mass) << i;
+                EXPECT_LT(joint_trees::length(force - Vector{0, 9.81 * mass, 0}), (this->is_single ? 0.1 : 0.01) * mass)
+                    << i;
             }
         }
         if (!this->is_single) { EXPECT_TRUE(m.world.status().ok()) << i; }
@@ -935,4 +925,4 @@ TEST(JointBits, are_the_same_everywhere) {
 }
 
 }  // namespace
-}  // namespace tumble::test
+}  // namespace tumble::test::joint_trees

@@ -3,11 +3,12 @@
 #include <tumble/tumble.hpp>
 
 #include "contact_cases.hpp"
+#include "kinds.hpp"
 #include "simulation/motion_of.hpp"
 
 #include <functional>
 
-namespace tumble::test {
+namespace tumble::test::paths {
 namespace {
 
 constexpr Number step = 1.0L / 256;  // s
@@ -117,7 +118,7 @@ public:
         return {unit(v.x), unit(v.y), unit(v.z)};
     }
 };
-using EachNumbers = testing::Types<Q32<Range<64, 128, 512>>, F32, F64>;
+using EachNumbers = Tested<testing::Types<Q32<Range<64, 128, 512>>>, testing::Types<F32, F64>>;
 TYPED_TEST_SUITE(PathsIn, EachNumbers);
 
 // With moments as different as here, the normal of a free body is off by up to four times as much as one that turns
@@ -423,4 +424,4 @@ TYPED_TEST(PathsIn, what_rattles_or_rolls_on_its_rim_is_never_deeper_than_the_to
 }
 
 }  // namespace
-}  // namespace tumble::test
+}  // namespace tumble::test::paths

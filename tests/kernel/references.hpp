@@ -56,6 +56,10 @@ protected:
     body.fixed = true;
     return body;
 }
+// The moments of a body whose tensor is diagonal in its own axes.
+[[nodiscard]] inline Vector moments_of(const BodySpec& body) {
+    return {number(body.inertia.xx), number(body.inertia.yy), number(body.inertia.zz)};
+}
 
 // A top that tumbles: it turns about its middle axis, which is unstable.
 [[nodiscard]] inline SceneSetup free_top(Seconds step) {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace tumble::test {
+namespace tumble::test::bodies_that_stand {
 namespace {
 
 template <class N, int room>
@@ -359,4 +359,4 @@ TYPED_TEST(Standing, a_pair_without_room_is_found_when_there_is_room) {
 }
 
 }  // namespace
-}  // namespace tumble::test
+}  // namespace tumble::test::bodies_that_stand
