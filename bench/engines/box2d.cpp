@@ -2,7 +2,7 @@
 // and boxes as polygons, with the mass and the moment of the scene. Its polygons and edges have a skin of
 // b2_polygonRadius; they are made smaller by it, so that their outer surface is that of the scene. Slower impacts than
 // its default of 1 m/s would not bounce; the scene's threshold is set instead.
-#include "contacts.hpp"
+#include "contender.hpp"
 
 #include <box2d/box2d.h>
 
@@ -45,30 +45,29 @@ struct Plane {
     return all_are_zero(scene, &RealVec3::z) || (scene.planes.empty() && all_are_zero(scene, &RealVec3::y));
 }
 
-class Box2dRunner final : public Runner {
+class World {
 public:
-    explicit Box2dRunner(const Problem& problem) : problem_{problem} { restart(); }
+    explicit World(const Problem& problem)
+        : problem_{problem}, plane_{!all_are_zero(problem.scene, &RealVec3::z)}, world_{plane_.to_plane(
+                                                                                     problem.scene.world.gravity)} {
+        world_.SetAllowSleeping(false);
+        for (const BodySpec& spec : problem.scene.bodies) add(spec);
+        for (const PlaneSpec& spec : problem.scene.planes) add(spec);
+    }
 
-    void restart() override {
-        const SceneData& scene = problem_.scene;
-        world_ = std::make_unique<b2World>(plane_.to_plane(scene.world.gravity));
-        world_->SetAllowSleeping(false);
-        bodies_.clear();
-        for (const BodySpec& spec : scene.bodies) add(spec);
-        for (const PlaneSpec& spec : scene.planes) add(spec);
+    void step() { world_.Step(static_cast<float>(problem_.step()), 8, 3); }
+    [[nodiscard]] Motions motions() const {
+        Motions motions;
+        for (const b2Body* body : bodies_) {
+            const double half = body->GetAngle() / 2.0;
+            motions.push_back({plane_.to_space(body->GetPosition()),
+                               plane_.to_space(body->GetLinearVelocity()),
+                               {std::cos(half), {0, 0, std::sin(half)}},
+                               {0, 0, body->GetAngularVelocity()}});
+        }
+        return motions;
     }
-    void run(int steps) override {
-        for (int i = 0; i < steps; ++i) world_->Step(static_cast<float>(problem_.step()), 8, 3);
-    }
-    [[nodiscard]] reference::Motion motion(int index) const override {
-        const b2Body& body = *bodies_[static_cast<std::size_t>(index)];
-        const double half = body.GetAngle() / 2.0;
-        return {plane_.to_space(body.GetPosition()),
-                plane_.to_space(body.GetLinearVelocity()),
-                {std::cos(half), {0, 0, std::sin(half)}},
-                {0, 0, body.GetAngularVelocity()}};
-    }
-    [[nodiscard]] bool asleep(int) const override { return false; }
+    [[nodiscard]] static bool asleep(int /*body*/) { return false; }
 
 private:
     void add(const BodySpec& spec) {
@@ -78,7 +77,7 @@ private:
         def.linearVelocity = plane_.to_plane(spec.velocity);
         def.angle =
             static_cast<float>(2 * std::atan2(spec.orientation.v.z.to_double(), spec.orientation.w.to_double()));
-        b2Body* body = world_->CreateBody(&def);
+        b2Body* body = world_.CreateBody(&def);
         bodies_.push_back(body);
         const auto size = array_of<float>(spec.shape.size);
         b2CircleShape circle;
@@ -102,7 +101,7 @@ private:
         def.position = -(static_cast<float>(spec.offset.to_double()) + b2_polygonRadius) * n;
         b2EdgeShape edge;
         edge.SetTwoSided(-half * tangent, half * tangent);
-        touch(*world_->CreateBody(&def), edge);
+        touch(*world_.CreateBody(&def), edge);
     }
     void touch(b2Body& body, const b2Shape& shape) const {
         const ContactSpec& contact = problem_.scene.world.contact;
@@ -116,17 +115,17 @@ private:
     }
 
     const Problem& problem_;
-    Plane plane_{!all_are_zero(problem_.scene, &RealVec3::z)};
-    std::unique_ptr<b2World> world_;
+    Plane plane_;
+    b2World world_;
     std::vector<b2Body*> bodies_;  // of the world
 };
 
 }  // namespace
 
-void tumble::bench::add_box2d(std::vector<Contender>& contenders) {
+void tumble::bench::add_box2d(Contenders& contenders) {
     contenders.push_back({"Box2D", TUMBLE_BOX2D_VERSION, "8 velocity, 3 position iterations", "f32", false,
                           [](const Problem& problem) -> std::unique_ptr<Runner> {
                               if (!is_planar(problem.scene)) return nullptr;
-                              return std::make_unique<Box2dRunner>(problem);
+                              return std::make_unique<RemakingRunner<World>>(problem);
                           }});
 }

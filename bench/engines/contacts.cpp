@@ -1,25 +1,19 @@
-#include "contacts.hpp"
+// Contacts whose motion is known, at 1/256 s and at 1/60 s. One row for each scene, step, law and contender: how far
+// the motion is off the law, and the instructions of a step, the mean of the first second. Engines have their default
+// settings; Box2D takes planar scenes.
+#include "contest.hpp"
 
 #include "accuracy/known_places.hpp"
-#include "firmware/callgrind.hpp"
-#include "rows/rows.hpp"
 #include "scene/scene_file.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
-
-// Callgrind counts this function, which it finds by name: a step with its call.
-extern "C" [[gnu::noinline]] void counted_step(tumble::bench::Runner& runner) { runner.run(1); }
 
 namespace tumble::bench {
 
 namespace {
 
 using reference::Motion, reference::Number, reference::Vector;
-
-// The steps of accurate simulation and of games, 1/s.
-constexpr int rates[] = {256, 60};
 
 // The motion of all bodies: at the start, and after each step.
 struct Run {
@@ -176,57 +170,52 @@ const std::vector<Scene> scenes{
     {"incline, slides", "bench/engines/incline.toml", 4, {{"place after 4 s, m", off_the_slide}}, slide},
 };
 
-Problem problem_of(const Scene& scene, int rate) {
-    host::SceneDescription description = host::read_scene(scene.path);
+Problem problem(std::size_t scene, int rate) {
+    host::SceneDescription description = host::read_scene(scenes.at(scene).path);
     description.step = {1, rate, 0};
-    Problem problem;
-    problem.name = scene.name;
-    problem.scene = host::build_scene(description);
-    if (scene.change != nullptr) scene.change(problem.scene);
+    description.name = scenes[scene].name;
+    Problem problem = problem_of(description);
+    if (scenes[scene].change != nullptr) scenes[scene].change(problem.scene);
     problem.features = host::needs(problem.scene);
+    problem.counted_steps = rate;
     return problem;
 }
 
 Run run_of(const Problem& problem, int rate, Runner& runner, int seconds) {
-    Run run{problem, rate, {}};
-    // Of fixed bodies nothing is noted.
-    const auto note = [&] {
-        auto& now = run.at.emplace_back();
-        for (std::size_t body = 0; body < problem.scene.bodies.size(); ++body)
-            now.push_back(problem.scene.bodies[body].fixed ? Motion{} : runner.motion(static_cast<int>(body)));
-    };
-    note();
+    Run run{problem, rate, {runner.motions()}};
     for (int step = 0; step < seconds * rate; ++step) {
-        runner.run(1);
-        note();
+        runner.step();
+        run.at.push_back(runner.motions());
     }
     return run;
 }
 
-// Rows of a contender on a scene, one a law; none if its engine cannot make the scene.
-std::vector<Row> rows_of(const Scene& scene, int rate, const Contender& contender, const std::string& count) {
-    const Problem problem = problem_of(scene, rate);
-    const auto runner = contender.make(problem);
+// One row a step and law.
+std::vector<Row> rows(std::size_t number, const Contender& contender, const Contest::Count& count) {
+    const Scene& scene = scenes[number];
     std::vector<Row> rows;
-    if (!runner) return rows;
-    Row row = row_of_engine(scene.name, contender, 1.0 / rate, scene.seconds * rate);
-    try {
-        const Run run = run_of(problem, rate, *runner, scene.seconds);
-        const auto counted = host::instructions_in("counted_step", count).count;
-        row["insn_per_step"] = (counted + rate / 2) / rate;
-        for (const Law& law : scene.laws) {
-            Row& of_law = rows.emplace_back(row);
-            const auto error = static_cast<double>(law.measure(run));
-            of_law["law"] = law.error;
-            if (std::isfinite(error)) of_law["error"] = error;
-            else of_law["failure"] = "not a number";
-            if (const std::string trouble = runner->trouble(); !trouble.empty()) of_law["trouble"] = trouble;
-        }
-    } catch (const std::runtime_error& error) {
-        for (const Law& law : scene.laws) {
+    // The steps of accurate simulation and of games, 1/s.
+    for (const int rate : {256, 60}) {
+        const Problem made = problem(number, rate);
+        const auto runner = contender.make(made);
+        if (!runner) break;
+        Row row = row_of_engine(scene.name, contender, 1.0 / rate, scene.seconds * rate);
+        const auto add = [&](const Law& law, const char* key, const auto& value) -> Row& {
             Row& of_law = rows.emplace_back(row);
             of_law["law"] = law.error;
-            of_law["failure"] = error.what();
+            of_law[key] = value;
+            return of_law;
+        };
+        try {
+            const Run run = run_of(made, rate, *runner, scene.seconds);
+            row["insn_per_step"] = count(rate);
+            for (const Law& law : scene.laws) {
+                const auto error = static_cast<double>(law.measure(run));
+                Row& of_law = std::isfinite(error) ? add(law, "error", error) : add(law, "failure", "not a number");
+                if (const std::string trouble = runner->trouble(); !trouble.empty()) of_law["trouble"] = trouble;
+            }
+        } catch (const std::runtime_error& error) {
+            for (const Law& law : scene.laws) add(law, "failure", error.what());
         }
     }
     return rows;
@@ -234,28 +223,6 @@ std::vector<Row> rows_of(const Scene& scene, int rate, const Contender& contende
 
 }  // namespace
 
-int contact_contest(int argc, char** argv, const std::vector<Contender>& contenders) try {
-    host::tell_lost_output();
-    if (argc == 5 && std::string{argv[1]} == "--count") {
-        const int rate = std::stoi(argv[4]);
-        const Problem problem = problem_of(scenes.at(std::stoul(argv[2])), rate);
-        const auto runner = contenders.at(std::stoul(argv[3])).make(problem);
-        for (int i = 0; i < rate; ++i) counted_step(*runner);
-        return 0;
-    }
-    for (std::size_t c = 0; c < contenders.size(); ++c) {
-        for (std::size_t s = 0; s < scenes.size(); ++s) {
-            for (const int rate : rates) {
-                const std::string count =
-                    argv[0] + (" --count " + std::to_string(s) + " " + std::to_string(c) + " " + std::to_string(rate));
-                for (Row& row : rows_of(scenes[s], rate, contenders[c], count)) {
-                    row["tumble_bits"] = TUMBLE_BITS;
-                    std::cout << row.dump() << std::endl;
-                }
-            }
-        }
-    }
-    return 0;
-} catch (...) { return report_failure(argv[0]); }
+Contest contact_contest() { return {scenes.size(), problem, rows}; }
 
 }  // namespace tumble::bench

@@ -31,9 +31,11 @@ Errors check(const Problem& problem, Runner& runner) {
     for (const Problem::Sample& sample : problem.truth) {
         runner.run(sample.steps - steps);
         steps = sample.steps;
+        const Motions motions = runner.motions();
         for (int b = 0; b < static_cast<int>(sample.bodies.size()); ++b) {
             if (problem.scene.bodies[static_cast<std::size_t>(b)].fixed) continue;
-            const reference::Motion now = runner.motion(b), &truth = sample.bodies[static_cast<std::size_t>(b)];
+            const auto i = static_cast<std::size_t>(b);
+            const reference::Motion &now = motions[i], &truth = sample.bodies[i];
             const double position = static_cast<double>(norm(now.x - truth.x)),
                          orientation = static_cast<double>(angle_between(now.q, truth.q));
             // This comparison is false for NaN.
@@ -148,7 +150,7 @@ std::map<std::string, double> best_of_engines(const std::vector<Entry>& entries)
 }
 
 // The contenders of the problem, each with its answer or the reason why it has none.
-std::vector<Entry> entries_of(const Problem& problem, const std::vector<Contender>& contenders) {
+std::vector<Entry> entries_of(const Problem& problem, const Contenders& contenders) {
     std::vector<Entry> entries;
     for (const Contender& contender : contenders) {
         Entry entry{&contender, {}, {}};
@@ -219,7 +221,7 @@ int main(int argc, char** argv) try {
     const int most = std::stoi(arguments[1]);
     const std::string results = arguments[2];
 
-    std::vector<Contender> contenders;
+    Contenders contenders;
     for (const auto add :
          {add_tumble_q32, add_tumble_f32_plain, add_tumble_f64, add_odeint, add_bullet, add_ode, add_mujoco})
         add(contenders);

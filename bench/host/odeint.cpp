@@ -1,6 +1,6 @@
 // Boost.Odeint's RK4, as in its documentation, on free bodies and on point masses under loads.
 #include "peers/odeint.hpp"
-#include "contender.hpp"
+#include "engines/contender.hpp"
 
 #include <boost/version.hpp>
 
@@ -67,34 +67,34 @@ public:
         : equations_{Equations::of(problem.scene)}, step_{static_cast<T>(problem.step())} {
         for (const BodySpec& body : problem.scene.bodies)
             if (!body.fixed) start_.push_back(Equations::start(body));
-        first_ = static_cast<int>(problem.scene.bodies.size() - start_.size());
+        fixed_ = problem.scene.bodies.size() - start_.size();
         states_ = start_;
     }
 
     void restart() override { states_ = start_; }
-    void run(int steps) override {
-        for (int i = 0; i < steps; ++i) {
-            for (auto& state : states_) {
-                stepper_.do_step(equations_, state, T(0), step_);
-                Equations::normalise(state);
-            }
+    void step() override {
+        for (auto& state : states_) {
+            stepper_.do_step(equations_, state, T(0), step_);
+            Equations::normalise(state);
         }
     }
-    [[nodiscard]] reference::Motion motion(int body) const override {
-        return Equations::motion(states_[static_cast<std::size_t>(body - first_)]);
+    [[nodiscard]] Motions motions() override {
+        Motions motions(fixed_);
+        for (const auto& state : states_) motions.push_back(Equations::motion(state));
+        return motions;
     }
     [[nodiscard]] bool asleep(int) const override { return false; }
 
 private:
     Equations equations_;
     std::vector<typename Equations::State> start_, states_;
-    int first_ = 0;  // the first moving body
+    std::size_t fixed_;  // bodies; they come first
     T step_;
     OdeintRk4<Equations> stepper_;
 };
 
 template <class Number>
-void add(std::vector<Contender>& contenders) {
+void add(Contenders& contenders) {
     const std::string version =
         std::to_string(BOOST_VERSION / 100000) + "." + std::to_string(BOOST_VERSION / 100 % 1000);
     contenders.push_back({"Boost.Odeint", version, "RK4", sizeof(Number) == 4 ? "f32" : "f64", false,
@@ -108,7 +108,7 @@ void add(std::vector<Contender>& contenders) {
 
 }  // namespace
 
-void tumble::bench::add_odeint(std::vector<Contender>& contenders) {
+void tumble::bench::add_odeint(Contenders& contenders) {
     add<float>(contenders);
     add<double>(contenders);
 }

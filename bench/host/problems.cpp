@@ -17,13 +17,6 @@ using reference::Motion;
 constexpr int samples = 16;  // of a run
 constexpr double apart = 2;  // m, between neighbouring bodies
 
-Motion start_of(const BodySpec& body) {
-    const auto vector = [](const RealVec3& v) { return reference::vector_of(array_of<double>(v)); };
-    const RealQuat q = normalized(body.orientation);
-    return {
-        vector(body.position), vector(body.velocity), {q.w.to_double(), vector(q.v)}, vector(body.angular_velocity)};
-}
-
 class Maker {
 public:
     // A scene file below the project's directory. `denominator`: of the step in s, if it differs from the file's.

@@ -1,7 +1,7 @@
 // The problems of bench/host.
 #pragma once
 
-#include "contender.hpp"
+#include "engines/contender.hpp"
 
 namespace tumble::bench {
 

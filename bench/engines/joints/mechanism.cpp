@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
+#include <cmath>
 
 namespace tumble::bench {
 
@@ -10,30 +10,49 @@ namespace {
 
 using reference::Motion, reference::Number, reference::Rotation, reference::Vector;
 
-// A box with this size along its axes, m.
-Link box_link(double mass, Vector size, Vector centre, Rotation q, Vector anchor, Vector axis) {
-    const auto moment = [&](Number a, Number b) { return mass / 12 * (a * a + b * b); };
-    Link link{mass, {moment(size.y, size.z), moment(size.x, size.z), moment(size.x, size.y)}, {}, anchor, axis};
-    link.start.x = centre;
-    link.start.q = q;
-    return link;
-}
+constexpr double gravity = 9.81;  // m/s^2
+
+struct Link {
+    double mass;    // kg
+    Vector size;    // m, of a box, along its axes
+    Motion start;   // of the centre of mass
+    Vector anchor;  // m, world: the joint with the link before
+    Vector axis;    // of a hinge, world, of unit length; zero: a ball joint
+};
 Rotation about_z(Number angle) { return reference::exponential(Vector{0, 0, angle}); }
 // Along a rod that hangs at an angle.
 Vector down_at(Number angle) { return {std::sin(angle), -std::cos(angle), 0}; }
 // A rod whose upper end is at `from`.
 Link rod(double mass, Vector size, Vector from, Number angle, Vector axis) {
-    return box_link(mass, size, from + down_at(angle) * (size.y / 2), about_z(angle), from, axis);
+    return {mass, size, {from + down_at(angle) * (size.y / 2), {}, about_z(angle), {}}, from, axis};
 }
-Mechanism made(const std::string& name, double seconds, double length, std::vector<Link> links) {
-    for (std::size_t i = 0; i < links.size(); ++i) {
-        const auto from_centre = [&](Link& link, Vector anchor) {
-            return link.start.q.rotate_back(anchor - link.start.x);
-        };
-        links[i].to_own = from_centre(links[i], links[i].anchor);
-        if (i > 0) links[i - 1].to_next = from_centre(links[i - 1], links[i].anchor);
+host::Triple triple(const Vector& v) {
+    return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+}
+Mechanism made(const std::string& name, double seconds, double length, const std::vector<Link>& links) {
+    Mechanism made{length, {}};
+    made.scene.name = name;
+    made.scene.gravity = {0, -gravity, 0};
+    made.scene.duration = seconds;
+    for (const Link& link : links) {
+        host::BodyDescription& body = made.scene.bodies.emplace_back();
+        body.mass = link.mass;
+        const auto moment = [&](Number a, Number b) { return static_cast<double>(link.mass / 12 * (a * a + b * b)); };
+        const Vector& size = link.size;
+        body.inertia = std::array<double, 6>{moment(size.y, size.z), moment(size.x, size.z), moment(size.x, size.y)};
+        body.position = triple(link.start.x);
+        body.velocity = triple(link.start.v);
+        const host::Triple q = triple(link.start.q.v);
+        body.orientation = {static_cast<double>(link.start.q.w), q[0], q[1], q[2]};
+        body.angular_velocity = triple(link.start.w);
+        host::JointDescription& joint = made.scene.joints.emplace_back();
+        joint.kind = dot(link.axis, link.axis) > 0 ? host::JointKind::hinge : host::JointKind::ball;
+        joint.body = static_cast<int>(made.scene.joints.size()) - 1;
+        joint.to_body = joint.body - 1;
+        joint.anchor = triple(link.anchor);
+        joint.axis = triple(link.axis);
     }
-    return {name, seconds, length, std::move(links)};
+    return made;
 }
 constexpr Vector z_axis{0, 0, 1}, rod_size{0.1L, 1, 0.1L};
 
@@ -64,7 +83,7 @@ Mechanism arm() {
         const Number l = lengths[i];
         const Vector along = i == 0 ? Vector{0, l, 0} : Vector{l, 0, 0};
         const Vector size = i == 0 ? Vector{0.08L, l, 0.08L} : Vector{l, 0.06L, 0.07L};
-        links.push_back(spun(box_link(masses[i], size, at + along * 0.5L, {}, at, axes[i]), about_the_vertical));
+        links.push_back(spun({masses[i], size, {at + along * 0.5L, {}, {}, {}}, at, axes[i]}, about_the_vertical));
         at = at + along;
     }
     return made("arm of six", 0.5, 1.25, links);
@@ -80,38 +99,47 @@ Mechanism spherical_pendulum() {
 }
 std::vector<Mechanism> mechanisms() { return {pendulum(), double_pendulum(), chain(), arm()}; }
 
-double Mechanism::energy_scale() const {
-    double mass = 0;
-    for (const Link& link : links) mass += link.mass;
-    return mass * gravity * length;
+Problem Mechanism::problem(int rate) const {
+    host::SceneDescription at_rate = scene;
+    at_rate.step = {1, rate, 0};
+    Problem problem = problem_of(at_rate);
+    Motion before;
+    for (std::size_t i = 0; i < scene.joints.size(); ++i) {
+        const Motion start = start_of(problem.scene.bodies[i]);
+        Joint& joint = problem.joints.emplace_back();
+        joint.anchor = reference::vector_of(scene.joints[i].anchor);
+        joint.axis = reference::vector_of(scene.joints[i].axis);
+        joint.on_own = start.q.rotate_back(joint.anchor - start.x);
+        joint.on_other = before.q.rotate_back(joint.anchor - before.x);
+        joint.own_axis = start.q.rotate_back(joint.axis);
+        joint.spin = start.w - start.q.rotate_back(before.q.rotate(before.w));
+        before = start;
+    }
+    return problem;
 }
-double Mechanism::energy(const std::vector<Motion>& motions) const {
+double Mechanism::energy_scale() const {
+    double all = 0;
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) all += mass(i);
+    return all * gravity * length;
+}
+double Mechanism::energy(const Motions& motions) const {
     Number sum = 0;
-    for (std::size_t i = 0; i < links.size(); ++i) {
+    for (std::size_t i = 0; i < motions.size(); ++i) {
         const Motion& now = motions[i];
-        sum += links[i].mass * (dot(now.v, now.v) / 2 + gravity * now.x.y) +
-               dot(times(links[i].moments, now.w), now.w) / 2;
+        sum += mass(i) * (dot(now.v, now.v) / 2 + gravity * now.x.y) +
+               dot(times(reference::vector_of(*scene.bodies[i].inertia), now.w), now.w) / 2;
     }
     return static_cast<double>(sum);
 }
-double Mechanism::gap(const std::vector<Motion>& motions) const {
+double gap(const std::vector<Joint>& joints, const Motions& motions) {
     Number largest = 0;
-    for (std::size_t i = 0; i < links.size(); ++i) {
-        const Vector other =
-            i == 0 ? links[0].anchor : motions[i - 1].x + motions[i - 1].q.rotate(links[i - 1].to_next);
-        largest = std::max(largest, norm(motions[i].x + motions[i].q.rotate(links[i].to_own) - other));
+    Motion before;
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+        const Vector other = before.x + before.q.rotate(joints[i].on_other);
+        largest = std::max(largest, norm(motions[i].x + motions[i].q.rotate(joints[i].on_own) - other));
+        before = motions[i];
     }
     return static_cast<double>(largest);
-}
-void Mechanism::set_velocities(std::vector<Motion>& motions, const std::vector<Vector>& turns) const {
-    Vector anchor{}, spin{};  // the velocity of the joint, and the spin of the link before; world
-    for (std::size_t i = 0; i < links.size(); ++i) {
-        Motion& now = motions[i];
-        spin = spin + now.q.rotate(turns[i]);
-        now.w = now.q.rotate_back(spin);
-        now.v = anchor - cross(spin, now.q.rotate(links[i].to_own));
-        anchor = now.v + cross(spin, now.q.rotate(links[i].to_next));
-    }
 }
 
 }  // namespace tumble::bench
