@@ -160,30 +160,7 @@ std::string wheels_text(const WheelsSpec& wheels) {
     return members.text();
 }
 
-std::string impulse_text(const ImpulseDescription&, const ImpulseSpec& impulse) {
-    Members members("            ");
-    members.always("time", number(impulse.time), "s");
-    members.always("body", std::to_string(impulse.body));
-    members.when(impulse.frame == Frame::body, "frame", "tumble::Frame::body");
-    members.when(!impulse.impulse.is_zero(), "impulse", vector(impulse.impulse), "N s");
-    members.when(!impulse.point.is_zero(), "point", vector(impulse.point), "m");
-    members.when(!impulse.angular_impulse.is_zero(), "angular_impulse", vector(impulse.angular_impulse), "N m s");
-    return members.text();
-}
-
-std::string force_text(const ForceDescription&, const ForceSpec& force) {
-    Members members("            ");
-    members.always("body", std::to_string(force.body));
-    members.when(!force.from.is_zero(), "from", number(force.from), "s");
-    members.always("until", number(force.until), "s");
-    members.when(force.frame == Frame::body, "frame", "tumble::Frame::body");
-    members.when(!force.force.is_zero(), "force", vector(force.force), "N");
-    members.when(!force.point.is_zero(), "point", vector(force.point), "m");
-    members.when(!force.torque.is_zero(), "torque", vector(force.torque), "N m");
-    return members.text();
-}
-
-std::string event_text(const EventDescription& description, const EventSpec& event) {
+std::string event_text(const EventSpec& event) {
     Members members("            ");
     members.always("time", number(event.time), "s");
     members.always("kind", std::string("tumble::EventKind::") + name_of(event.kind));
@@ -192,7 +169,7 @@ std::string event_text(const EventDescription& description, const EventSpec& eve
     members.when(event.frame == Frame::body, "frame", "tumble::Frame::body");
     members.when(!event.value.is_zero(), "value", vector(event.value));
     members.when(!event.point.is_zero(), "point", vector(event.point), "m");
-    members.when(description.kind == EventKind::pose, "orientation",
+    members.when(event.kind == EventKind::pose, "orientation",
                  "{" + number(event.orientation.w) + ", " + vector(event.orientation.v) + "}", "w, x, y, z");
     return members.text();
 }
@@ -400,8 +377,8 @@ std::string config_text(const SceneDescription& scene, const SceneData& data, co
 // Is it a name in C++ that no member of the struct has, and no namespace that it names?
 bool is_struct_name(const std::string& name) {
     static const std::vector<std::string> members = {
-        "Config",   "Bodies", "Joints", "name",      "step", "steps", "world",  "bodies", "planes", "springs", "joints",
-        "impulses", "forces", "events", "softening", "wind", "drags", "wheels", "orbit",  "tumble", "std"};
+        "Config", "Bodies", "Joints",    "name", "step",  "steps",  "world", "bodies", "planes", "springs",
+        "joints", "events", "softening", "wind", "drags", "wheels", "orbit", "tumble", "std"};
     const auto is_in_name = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) != 0 || c == '_'); };
     return !name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) == 0 &&
            std::all_of(name.begin(), name.end(), is_in_name) &&
@@ -453,9 +430,7 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice, 
          << ids_text(scene.bodies) << list_text("PlaneSpec", "planes", scene.planes, data.planes, plane_text)
          << list_text("SpringSpec", "springs", scene.springs, data.springs, spring_text)
          << joints_text(scene.joints, data.joints) << loads_text(data)
-         << list_text("ImpulseSpec", "impulses", scene.impulses, data.impulses, impulse_text)
-         << list_text("ForceSpec", "forces", scene.forces, data.forces, force_text)
-         << (data.events.empty() ? "" : list_text("EventSpec", "events", scene.events, data.events, event_text)) << "\n"
+         << list_text("EventSpec", "events", data.events, event_text) << "\n"
          << config_text(scene, data, numbers, integrator) << "};\n\n}  // namespace tumble::scenes\n";
     return text.str();
 }

@@ -106,21 +106,33 @@ void add_loads_of_bodies(const SceneDescription& scene, SceneData& data) {
     }
 }
 
-template <class Event, class Start>
-void sort_by_step(std::vector<Event>& events, Seconds step, Start&& start) {
-    std::vector<std::pair<std::int64_t, Event>> keyed;
-    keyed.reserve(events.size());
-    for (const Event& event : events) keyed.emplace_back((start(event) / step.value).to_fixed(0, 64), event);
-    std::stable_sort(keyed.begin(), keyed.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (std::size_t i = 0; i < events.size(); ++i) events[i] = keyed[i].second;
+// The events of impulses and forces. In a step they come after the scene's own events, impulses first.
+void add_pushes(const SceneDescription& scene, std::vector<EventSpec>& events) {
+    const auto add = [&](double time, EventKind kind, const auto& push, const Triple& value, const Triple& point) {
+        if (value != Triple{})
+            events.push_back({time, kind, push.body, push.frame, real_vector(value), real_vector(point)});
+    };
+    for (const ImpulseDescription& i : scene.impulses) {
+        add(i.time, EventKind::impulse, i, i.impulse, i.point);
+        add(i.time, EventKind::angular_impulse, i, i.angular_impulse, {});
+    }
+    for (const ForceDescription& f : scene.forces) {
+        add(f.from, EventKind::begin_force, f, f.force, f.point);
+        add(f.until, EventKind::end_force, f, f.force, f.point);
+        add(f.from, EventKind::begin_torque, f, f.torque, {});
+        add(f.until, EventKind::end_torque, f, f.torque, {});
+    }
 }
 
 }  // namespace
 
 SceneData with_events_in_order(SceneData scene) {
-    sort_by_step(scene.impulses, scene.step, [](const ImpulseSpec& impulse) { return impulse.time; });
-    sort_by_step(scene.forces, scene.step, [](const ForceSpec& force) { return force.from; });
-    sort_by_step(scene.events, scene.step, [](const EventSpec& event) { return event.time; });
+    std::vector<std::pair<std::int64_t, EventSpec>> keyed;
+    keyed.reserve(scene.events.size());
+    for (const EventSpec& event : scene.events)
+        keyed.emplace_back((event.time / scene.step.value).to_fixed(0, 64), event);
+    std::stable_sort(keyed.begin(), keyed.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (std::size_t i = 0; i < keyed.size(); ++i) scene.events[i] = keyed[i].second;
     return scene;
 }
 
@@ -223,15 +235,8 @@ SceneData build_scene(const SceneDescription& scene) {
             {s.body, real_vector(s.point), s.to_body, real_vector(s.to), s.stiffness, s.damping, s.rest_length});
     }
     for (const JointDescription& joint : scene.joints) data.joints.push_back(joint_of(joint));
-    for (const ImpulseDescription& i : scene.impulses) {
-        data.impulses.push_back(
-            {i.time, i.body, i.frame, real_vector(i.impulse), real_vector(i.point), real_vector(i.angular_impulse)});
-    }
-    for (const ForceDescription& f : scene.forces) {
-        data.forces.push_back(
-            {f.body, f.from, f.until, f.frame, real_vector(f.force), real_vector(f.point), real_vector(f.torque)});
-    }
     for (const EventDescription& event : scene.events) data.events.push_back(event_of(event));
+    add_pushes(scene, data.events);
     return data;
 }
 
@@ -260,10 +265,12 @@ Features needs(const SceneData& scene) {
     const auto moving = static_cast<int>(
         std::count_if(scene.bodies.begin(), scene.bodies.end(), [](const BodySpec& body) { return !body.is_fixed(); }));
     const auto is_turntable = [](const BodySpec& body) { return body.fixed && !body.angular_velocity.is_zero(); };
+    const auto is_timed_force = [](const EventSpec& event) { return is_timed(event.kind); };
+    const auto is_impulse = [](const EventSpec& event) {
+        return event.kind == EventKind::impulse || event.kind == EventKind::angular_impulse;
+    };
     const auto is_control = [](const EventSpec& event) {
-        return event.kind == EventKind::force || event.kind == EventKind::torque ||
-               event.kind == EventKind::step_force || event.kind == EventKind::step_torque ||
-               event.kind == EventKind::gravity;
+        return (is_wrench(event.kind) && !is_timed(event.kind)) || event.kind == EventKind::gravity;
     };
     const auto turns_fixed = [&](const EventSpec& event) {
         return event.kind == EventKind::angular_velocity && scene.bodies[static_cast<std::size_t>(event.body)].fixed;
@@ -302,10 +309,11 @@ Features needs(const SceneData& scene) {
         .air = !scene.drags.empty(),
         .gravity_gradient = !scene.orbit.rate.is_zero() && rotation,
         .wheels = !scene.wheels.empty(),
-        .forces = !scene.forces.empty(),
-        .impulses = !scene.impulses.empty(),
+        .forces = any(scene.events, is_timed_force),
+        .impulses = any(scene.events, is_impulse),
         .control = any(scene.events, is_control),
-        .script = !scene.events.empty(),
+        .script = !std::all_of(scene.events.begin(), scene.events.end(),
+                               [&](const EventSpec& event) { return is_timed_force(event) || is_impulse(event); }),
         .removal = any(scene.events, [](const EventSpec& event) { return event.kind == EventKind::remove_joint; }),
         .pairs = pairs,
         .boxes = (by_impulses || by_springs) && any(scene.bodies, is_box),

@@ -55,15 +55,13 @@ struct SceneData {
     std::vector<DragSpec> drags;     // of the bodies that have one
     std::vector<WheelsSpec> wheels;  // of the bodies that have some
     OrbitSpec orbit;                 // for the gravity gradient
-    std::vector<ImpulseSpec> impulses;
-    std::vector<ForceSpec> forces;
-    std::vector<EventSpec> events;
+    std::vector<EventSpec> events;   // then those of impulses and forces
 };
 
 // Throws UnsupportedScene for what exceeds the host's capacities.
 [[nodiscard]] SceneData build_scene(const SceneDescription& scene);
 
-// The scene with its events in the order of the steps in which they begin to act. Events of one step keep their order.
+// The scene with its events in the order of the steps before which they act. Events of one step keep their order.
 [[nodiscard]] SceneData with_events_in_order(SceneData scene);
 
 // The features that a world must have for the scene, and no others.

@@ -8,10 +8,6 @@ namespace {
 constexpr Quantity any_triple{Quantity::any, "", "x, y, z"};
 constexpr Quantity any_quaternion{Quantity::any, "", "w, x, y, z"};
 
-// Does the event act at a point?
-bool has_point(EventKind kind) {
-    return kind == EventKind::impulse || kind == EventKind::force || kind == EventKind::step_force;
-}
 bool turns(EventKind kind) {
     return kind == EventKind::angular_impulse || kind == EventKind::torque || kind == EventKind::step_torque ||
            kind == EventKind::angular_velocity;
@@ -39,7 +35,8 @@ const Words<EventKind>& event_kinds() {
         Words<EventKind> all;
         for (int i = 0; i <= static_cast<int>(EventKind::remove_joint); ++i) {
             const auto kind = static_cast<EventKind>(i);
-            if (kind != EventKind::remove) all.emplace_back(name_of(kind), kind);  // a scene keeps its bodies
+            // A scene keeps its bodies, and its timed forces have tables of their own.
+            if (kind != EventKind::remove && !is_timed(kind)) all.emplace_back(name_of(kind), kind);
         }
         return all;
     }();

@@ -234,12 +234,10 @@ struct Scripted {
     static constexpr std::array<BodySpec, 1> bodies{thrown()};
     static constexpr std::array<PlaneSpec, 1> planes{PlaneSpec{.offset = 3}};
     static constexpr std::array<SpringSpec, 0> springs{};
-    static constexpr std::array<ImpulseSpec, 2> impulses{
-        {{.time = 0.5, .body = 0, .impulse = {0, 0.1, 0}, .point = {0.1, 0, 0}},
-         {.time = 0.1, .body = 0, .frame = Frame::body, .impulse = {0, 0.1, 0.2}, .point = {0.1, 0, 0}}}};
-    static constexpr std::array<ForceSpec, 0> forces{};
-    static constexpr std::array<EventSpec, 2> events{
-        {{.time = 1, .kind = EventKind::pose, .body = 0, .value = {0, 1, 0}, .orientation = {0.5, {0, 0.5, 1}}},
+    static constexpr std::array<EventSpec, 4> events{
+        {{.time = 0.5, .body = 0, .value = {0, 0.1, 0}, .point = {0.1, 0, 0}},
+         {.time = 0.1, .body = 0, .frame = Frame::body, .value = {0, 0.1, 0.2}, .point = {0.1, 0, 0}},
+         {.time = 1, .kind = EventKind::pose, .body = 0, .value = {0, 1, 0}, .orientation = {0.5, {0, 0.5, 1}}},
          {.time = 0.9, .kind = EventKind::velocity, .body = 0, .frame = Frame::body, .value = {0, 3, 0}}}};
     struct Config : Scene {
         using Numbers = Q32<NearRange>;
@@ -289,13 +287,13 @@ struct AllLoads {
         {.body = 1, .point = {0, 0.1, 0.2}, .to = {1, 3, 0}, .stiffness = 2, .damping = 0.1, .rest_length = 0.25},
         {.body = 1, .to = {0, 0, 0.5}, .stiffness = 1},
     }};
-    std::array<ImpulseSpec, 1> impulses{
-        {{.time = 0.1, .body = 0, .frame = Frame::body, .impulse = {0, 0.1, 0.2}, .point = {0.1, 0, 0}}}};
-    std::array<ForceSpec, 2> forces{
-        {{.body = 1, .from = 0.2, .until = 0.7, .frame = Frame::body, .force = {0.3, 0, 1}, .point = {0, 0.1, 0}},
-         {.body = 0, .from = 0, .until = 0.5, .force = {0.5, 0, 0.1}, .torque = {0.01, 0, 0}}}};
-    std::array<EventSpec, 2> events{
-        {{.time = 0.3, .kind = EventKind::torque, .body = 0, .frame = Frame::body, .value = {0, 0.01, 0}},
+    std::array<EventSpec, 7> events{
+        {{.time = 0.1, .body = 0, .frame = Frame::body, .value = {0, 0.1, 0.2}, .point = {0.1, 0, 0}},
+         {.time = 0.2, .kind = EventKind::begin_force, .body = 1, .frame = Frame::body, .value = {0.3, 0, 1}},
+         {.time = 0.7, .kind = EventKind::end_force, .body = 1, .frame = Frame::body, .value = {0.3, 0, 1}},
+         {.time = 0, .kind = EventKind::begin_force, .body = 0, .value = {0.5, 0, 0.1}, .point = {0, 0.1, 0}},
+         {.time = 0, .kind = EventKind::begin_torque, .body = 0, .value = {0.01, 0, 0}},
+         {.time = 0.3, .kind = EventKind::torque, .body = 0, .frame = Frame::body, .value = {0, 0.01, 0}},
          {.time = 0.2, .kind = EventKind::force, .body = 1, .frame = Frame::body, .value = {0, 0.3, 0}}}};
     RealVec3 wind{0.5, 0, -1};
     std::array<DragSpec, 1> drags{{{.body = 0, .linear = 0.01, .quadratic = 0.02}}};
@@ -314,9 +312,11 @@ struct AllLoads {
         if (without == 5) wheels[0].momentum = {};
         if (without == 6) orbit.rate = 0;
         if (without == 7)
-            for (ForceSpec& force : forces) force.until = force.from;
+            for (EventSpec& event : events)
+                if (is_timed(event.kind)) event.value = {};
         if (without == 8)
-            for (EventSpec& event : events) event.value = {};
+            for (EventSpec& event : events)
+                if (!is_timed(event.kind)) event.value = {};
     }
     struct Config : Scene {
         using Numbers = N;

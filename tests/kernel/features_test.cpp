@@ -176,38 +176,19 @@ TEST_F(MisuseDeathTest, of_a_spring_between_bodies_that_are_not_there_ends_the_p
 }
 
 TEST_F(MisuseDeathTest, of_an_event_of_a_body_that_is_not_there_ends_the_program) {
-    ImpulseSpec impulse;
-    ForceSpec force;
-    for (const int body : {-1, 1, 32768, 65536}) {
-        impulse.body = force.body = body;
-        EXPECT_DEATH((void)world_.prepare(impulse), "") << body;
-        EXPECT_DEATH((void)world_.prepare(force), "") << body;
-    }
-    impulse.body = force.body = 0;
-    EXPECT_EQ(world_.prepare(impulse).body, 0);
-    EXPECT_EQ(world_.prepare(force).body, 0);
+    for (const int body : {-1, 1, 32768, 65536}) EXPECT_DEATH((void)world_.prepare({.body = body}), "") << body;
+    EXPECT_EQ(world_.prepare({.body = 0}).body.index(), 0);
 }
 
 TEST(Events, happen_at_the_step_nearest_to_their_time_however_late) {
     World<Pair> world{Seconds{1, 256}};
     (void)world.add(sphere(Real{1}, Real{1}));
     constexpr double turn = 4294967296.0;
-    ImpulseSpec impulse;
-    ForceSpec force;
-    for (const double step : {0.0, 5.0, turn - 1, turn, turn + 5, 3 * turn + 5, 1e6 * turn}) {
-        for (const double off : {-0.25, 0.25}) {
-            impulse.time = force.from = Real{(step + off) / 256};
-            force.until = Real{(step + off + 7) / 256};
-            const auto expected = static_cast<std::uint64_t>(step);
-            EXPECT_EQ(world.prepare(impulse).step, expected) << step + off;
-            EXPECT_EQ(world.prepare(force).from, expected) << step + off;
-            EXPECT_EQ(world.prepare(force).until, expected + 7) << step + off;
-        }
-    }
-    force.from = Real{-1e30};
-    force.until = Real{1e30};
-    EXPECT_EQ(world.prepare(force).from, 0u);
-    EXPECT_EQ(world.prepare(force).until, (std::uint64_t{1} << 63) - 1);
+    for (const double step : {0.0, 5.0, turn - 1, turn, turn + 5, 3 * turn + 5, 1e6 * turn})
+        for (const double off : {-0.25, 0.25})
+            EXPECT_EQ(world.prepare({.time = Real{(step + off) / 256}}).step, static_cast<std::uint64_t>(step)) << off;
+    EXPECT_EQ(world.prepare({.time = Real{-1e30}}).step, 0u);
+    EXPECT_EQ(world.prepare({.time = Real{1e30}}).step, (std::uint64_t{1} << 63) - 1);
 }
 
 // A force that ends early, one that acts while the step counter wraps, and an impulse after it.
@@ -218,10 +199,12 @@ struct Late {
     static constexpr std::array bodies{sphere(Real{2}, Real{1})};
     static constexpr std::array<PlaneSpec, 0> planes{};
     static constexpr std::array<SpringSpec, 0> springs{};
-    static constexpr std::array impulses{ImpulseSpec{.time = Real{4294967301.0 / 256}, .impulse = {0, 1, 0}}};
-    static constexpr std::array forces{
-        ForceSpec{.from = 4294967290.0 / 256, .until = 4294967299.0 / 256, .force = {128, 0, 0}},
-        ForceSpec{.from = 0.0, .until = 26.0 / 256, .force = {0, 0, 512}}};
+    static constexpr std::array events{
+        EventSpec{.time = Real{4294967301.0 / 256}, .value = {0, 1, 0}},
+        EventSpec{.time = 4294967290.0 / 256, .kind = EventKind::begin_force, .value = {128, 0, 0}},
+        EventSpec{.time = 4294967299.0 / 256, .kind = EventKind::end_force, .value = {128, 0, 0}},
+        EventSpec{.time = 0.0, .kind = EventKind::begin_force, .value = {0, 0, 512}},
+        EventSpec{.time = 26.0 / 256, .kind = EventKind::end_force, .value = {0, 0, 512}}};
 };
 
 TEST(Events, of_a_replay_keep_their_steps_when_the_step_counter_wraps) {
@@ -240,35 +223,37 @@ TEST(Events, of_a_replay_keep_their_steps_when_the_step_counter_wraps) {
     }
 }
 
-TEST_F(MisuseDeathTest, of_impulses_that_are_not_sorted_and_events_of_no_body_ends_the_program) {
+TEST_F(MisuseDeathTest, of_events_that_are_not_sorted_of_no_body_or_of_another_kind_ends_the_program) {
     using N = World<Pair>::Numbers;
-    Impulse<N> impulses[3]{};
-    TimedForce<N> forces[3]{};
-    for (int i = 0; i < 3; ++i) impulses[i].step = forces[i].from = static_cast<std::uint32_t>(7 * i);
-    world_.set_impulses({impulses, 3});
-    world_.set_forces({forces, 3});
-    for (const int body : {-1, 1, 300}) {
-        impulses[1].body = forces[2].body = static_cast<std::int16_t>(body);
-        EXPECT_DEATH(world_.set_impulses({impulses, 3}), "") << body;
-        EXPECT_DEATH(world_.set_forces({forces, 3}), "") << body;
+    Event<N> events[3]{};
+    for (int i = 0; i < 3; ++i) {
+        events[i].body = BodyId{0};
+        events[i].step = static_cast<std::uint32_t>(7 * i);
     }
-    impulses[1].body = forces[2].body = 0;
-    impulses[2].step = 6;
-    EXPECT_DEATH(world_.set_impulses({impulses, 3}), "");
+    events[1].kind = EventKind::begin_force;
+    world_.set_script({events, 3});
+    for (const int body : {-1, 1, 300}) {
+        events[1].body = BodyId{body};
+        EXPECT_DEATH(world_.set_script({events, 3}), "") << body;
+    }
+    events[1].body = BodyId{0};
+    events[1].kind = EventKind::velocity;
+    EXPECT_DEATH(world_.set_script({events, 3}), "");
+    events[1].kind = EventKind::end_torque;
+    events[2].step = 6;
+    EXPECT_DEATH(world_.set_script({events, 3}), "");
 }
 
 TEST(Script, a_new_script_is_read_from_its_beginning) {
     using N = World<Pair>::Numbers;
     World<Pair> world{Seconds{1, 256}};
     (void)world.add(sphere(Real{1}, Real{1}));
-    const auto push = [&](int step) {
-        return world.prepare(ImpulseSpec{.time = Real{step} / Real{256}, .impulse = {1, 0, 0}});
-    };
-    const Impulse<N> first[] = {push(0), push(2), push(3)}, second[] = {push(1), push(6)};
-    world.set_impulses({first, 3});
+    const auto push = [&](int step) { return world.prepare({.time = Real{step} / Real{256}, .value = {1, 0, 0}}); };
+    const Event<N> first[] = {push(0), push(2), push(3)}, second[] = {push(1), push(6)};
+    world.set_script({first, 3});
     for (int i = 0; i < 5; ++i) world.step();
     EXPECT_EQ(static_cast<double>(world.velocity(BodyId{0}).x), 3);
-    world.set_impulses({second, 2});
+    world.set_script({second, 2});
     world.step();
     EXPECT_EQ(static_cast<double>(world.velocity(BodyId{0}).x), 3) << "what lies before the present is left out";
     world.step();

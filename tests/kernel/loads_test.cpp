@@ -232,13 +232,13 @@ TEST_P(Loads, impulses_set_during_a_run_replace_those_of_the_steps_to_come) {
     for (const int set : {1, 9, 30}) {
         const auto world = build(SceneSetup{.name = "late", .bodies = {sphere(2, 0.5)}}, GetParam());
         world->run(set);
-        std::vector<ImpulseSpec> impulses;
+        std::vector<EventSpec> impulses;
         for (const int step : {0, 8, 9, 29, 30, 31, 40})
-            impulses.push_back({.time = real(step / 256.0L), .impulse = {1, 0, 0}});
-        world->set_impulses(impulses);
+            impulses.push_back({.time = real(step / 256.0L), .value = {1, 0, 0}});
+        world->set_events(impulses);
         for (int step = set; step < 48; ++step) {
             world->step();
-            const auto due = std::count_if(impulses.begin(), impulses.end(), [&](const ImpulseSpec& i) {
+            const auto due = std::count_if(impulses.begin(), impulses.end(), [&](const EventSpec& i) {
                 const Number at = number(i.time) * 256;
                 return at >= set && at <= step;
             });

@@ -139,18 +139,14 @@ TYPED_TEST_P(PointMisuseDeathTest, of_a_rotation_of_a_point_mass_ends_the_progra
     const BodyId id{0};
     EXPECT_DEATH(world.apply_impulse(id, {1, 0, 0}, {0, 0.5, 0}), "");
     world.apply_impulse(id, {1, 0, 0}, {});
-    ImpulseSpec impulse{.impulse = {1, 0, 0}};
-    (void)world.prepare(impulse);
-    impulse.point = {0, 1, 0};
-    EXPECT_DEATH((void)world.prepare(impulse), "");
-    EXPECT_DEATH((void)world.prepare(ImpulseSpec{.angular_impulse = {0, 0, 1}}), "");
-    EXPECT_DEATH((void)world.prepare(ImpulseSpec{.frame = Frame::body, .impulse = {1, 0, 0}}), "");
-    ForceSpec force{.until = 1, .force = {1, 0, 0}};
-    (void)world.prepare(force);
-    force.point = {0, 1, 0};
-    EXPECT_DEATH((void)world.prepare(force), "");
-    EXPECT_DEATH((void)world.prepare(ForceSpec{.until = 1, .torque = {0, 0, 1}}), "");
-    EXPECT_DEATH((void)world.prepare(ForceSpec{.until = 1, .frame = Frame::body, .force = {1, 0, 0}}), "");
+    const auto apply = [&](const EventSpec& event) { world.apply(world.prepare(event)); };
+    for (const EventKind kind : {EventKind::impulse, EventKind::begin_force}) {
+        apply({.kind = kind, .value = {1, 0, 0}});
+        EXPECT_DEATH(apply({.kind = kind, .value = {1, 0, 0}, .point = {0, 1, 0}}), "");
+        EXPECT_DEATH(apply({.kind = kind, .frame = Frame::body, .value = {1, 0, 0}}), "");
+    }
+    EXPECT_DEATH(apply({.kind = EventKind::angular_impulse, .value = {0, 0, 1}}), "");
+    EXPECT_DEATH(apply({.kind = EventKind::begin_torque, .value = {0, 0, 1}}), "");
     EXPECT_DEATH((void)world.add(SpringSpec{.point = {1, 0, 0}, .stiffness = 1}), "");
     BodySpec turned = point_mass(1);
     turned.orientation = {1, {0, 0, 1}};

@@ -28,8 +28,7 @@ struct Specs {
     }();
     PlaneSpec plane{};
     SpringSpec spring{.to = {0, 3, 0}, .stiffness = 1};
-    ImpulseSpec impulse{.time = 0.03125, .impulse = {0.25, 0.5, 0}};
-    ForceSpec force{.from = 0.03125, .until = 0.0625, .force = {1, 0, 0}};
+    bool pushes = true;  // an impulse and a force act
 };
 struct Nothing {
     constexpr void operator()(auto&) const {}
@@ -74,8 +73,10 @@ std::string motion_with(Context context, Change change, int steps) {
     setup.bodies = {specs.body, other};
     setup.planes = {specs.plane};
     setup.springs = {specs.spring};
-    setup.impulses = {specs.impulse};
-    setup.forces = {specs.force};
+    if (specs.pushes) {
+        setup.impulses = {{.time = 0.03125, .impulse = {0.25, 0.5, 0}}};
+        setup.forces = {{.from = 0.03125, .until = 0.0625, .force = {1, 0, 0}}};
+    }
     const auto world = build(setup, "verlet", "q32_near");
     const Status status = world->run(steps);
     return std::to_string(world->hash()) + (world->asleep(0) ? " asleep " : " awake ") + std::to_string(status.bits);
@@ -115,7 +116,7 @@ constexpr auto rests = [](Specs& s) {
     s.world.contact = {.restitution = 0, .friction = 0.5, .sleep = {.on = true}};
     s.body.velocity = s.body.angular_velocity = {};
     s.spring.stiffness = 0;
-    s.impulse.impulse = s.force.force = {};
+    s.pushes = false;
 };
 // It rolls at 0.0625 m/s and 0.25 rad/s.
 constexpr auto rolls = [](Specs& s) {
@@ -290,23 +291,6 @@ TEST_F(Named, every_value_of_a_plane_a_spring_and_a_timed_event_acts_or_is_misus
     has_effect("SpringSpec.damping", [](Specs& s) { s.spring.damping = 1; });
     has_effect("SpringSpec.rest_length", [](Specs& s) { s.spring.rest_length = 1; });
     expect_all_of<SpringSpec>("SpringSpec");
-
-    has_effect("ImpulseSpec.time", [](Specs& s) { s.impulse.time = 0.0625; });
-    has_effect("ImpulseSpec.body", [](Specs& s) { s.impulse.body = 1; });
-    has_effect("ImpulseSpec.frame", [](Specs& s) { s.impulse.frame = Frame::body; });
-    has_effect("ImpulseSpec.impulse", [](Specs& s) { s.impulse.impulse.x = 1; });
-    has_effect("ImpulseSpec.point", [](Specs& s) { s.impulse.point.x = 0.125; });
-    has_effect("ImpulseSpec.angular_impulse", [](Specs& s) { s.impulse.angular_impulse.y = 0.01; });
-    expect_all_of<ImpulseSpec>("ImpulseSpec");
-
-    has_effect("ForceSpec.body", [](Specs& s) { s.force.body = 1; });
-    has_effect("ForceSpec.from", [](Specs& s) { s.force.from = 0; });
-    has_effect("ForceSpec.until", [](Specs& s) { s.force.until = 1; });
-    has_effect("ForceSpec.frame", [](Specs& s) { s.force.frame = Frame::body; });
-    has_effect("ForceSpec.force", [](Specs& s) { s.force.force.x = 2; });
-    has_effect("ForceSpec.point", [](Specs& s) { s.force.point.y = 0.125; });
-    has_effect("ForceSpec.torque", [](Specs& s) { s.force.torque.x = 0.01; });
-    expect_all_of<ForceSpec>("ForceSpec");
 }
 
 TEST(Required, events_need_the_features_that_their_kinds_name) {
@@ -393,8 +377,6 @@ struct Full {
     std::vector<BodySpec> bodies{box(2, {0.25, 0.5, 0.75}), placed(box(1, {0.25, 0.25, 0.25}), {1, 0, 0})};
     std::vector<PlaneSpec> planes{};
     std::vector<SpringSpec> springs{};
-    std::vector<ImpulseSpec> impulses{};
-    std::vector<ForceSpec> forces{};
     std::vector<EventSpec> events{};
     std::vector<DragSpec> drags{};
     std::vector<WheelsSpec> wheels{};
@@ -485,8 +467,6 @@ TEST(RequiredDeathTest, a_replay_refuses_data_that_its_world_would_ignore) {
     };
     refuses([](Full& data) { data.planes.resize(1); });
     refuses([](Full& data) { data.springs.resize(1); });
-    refuses([](Full& data) { data.impulses.resize(1); });
-    refuses([](Full& data) { data.forces.resize(1); });
     refuses([](Full& data) { data.events.resize(1); });
     refuses([](Full& data) { data.drags.resize(1); });
     refuses([](Full& data) { data.wheels.resize(1); });

@@ -204,8 +204,6 @@ struct ConstantScript {
     static constexpr std::array bodies{box(2, {0.5, 0.25, 0.75})};
     static constexpr std::array<PlaneSpec, 0> planes{};
     static constexpr std::array<SpringSpec, 0> springs{};
-    static constexpr std::array<ImpulseSpec, 0> impulses{};
-    static constexpr std::array<ForceSpec, 0> forces{};
     static constexpr std::array events{
         EventSpec{.time = 0.5, .kind = EventKind::torque, .frame = Frame::body, .value = {0.01, 0.1, -0.3}},
         EventSpec{.time = 0.1, .kind = EventKind::force, .value = {1, 2, 3}, .point = {0.1, 0, 0.3}},

@@ -52,12 +52,12 @@ TEST_P(Sleep, a_timed_force_wakes_a_sleeper_when_it_begins) {
     EXPECT_TRUE(world->asleep(0));
 }
 
-TEST_P(Sleep, a_force_that_is_set_while_it_acts_wakes_a_sleeper_and_stops_at_the_floor) {
+TEST_P(Sleep, a_force_that_begins_wakes_a_sleeper_and_stops_at_the_floor) {
     SceneSetup setup = sleepy_floor(0.5L, {sleeper()});
     const auto world = build(setup, GetParam());
     expect_falls_asleep(*world);
     const Vector start = world->motion(0).x;
-    world->set_forces({{.body = 0, .from = 0.25, .until = 9.0, .force = {0, 0, -30}}});
+    world->apply({.kind = EventKind::begin_force, .value = {0, 0, -30}});
     world->run(second);
     const Number distance = (30 - 0.5L * 2 * g) / 2 / 2;
     EXPECT_LE(std::abs((start.z - world->motion(0).x.z) / distance - 1), tolerance::sliding);
@@ -65,7 +65,7 @@ TEST_P(Sleep, a_force_that_is_set_while_it_acts_wakes_a_sleeper_and_stops_at_the
     setup.world.gravity = {};
     setup.bodies = {standing(sphere(2, 0.25), 0, 0.75L)};
     const auto floating = run(setup, 3);
-    floating->set_forces({{.body = 0, .from = 0.0, .until = 9.0, .force = {0, -100, 0}}});
+    floating->apply({.kind = EventKind::begin_force, .value = {0, -100, 0}});
     floating->run(second);
     EXPECT_LE(0.25L - floating->motion(0).x.y, tolerance::depth);
 }

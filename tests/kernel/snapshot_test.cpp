@@ -402,23 +402,17 @@ TEST(SnapshotBytes, of_a_world_let_its_script_go_on) {
                   Features{.forces = true, .impulses = true, .control = true, .script = true, .snapshots = true}>>
         world{Seconds{1, 256}};
     (void)world.add(sphere(1, 1));
-    ImpulseSpec impulse;
-    impulse.impulse = {1, 0, 0};
-    std::vector<Impulse<F64>> impulses;
-    for (int i = 0; i < 4; ++i) {
-        impulse.time = Real{i} * Real{0.125};
-        impulses.push_back(world.prepare(impulse));
-    }
-    ForceSpec force;
-    force.force = {0, 1, 0};
-    force.from = 0.1;
-    force.until = 0.3;
-    const TimedForce<F64> forces[] = {world.prepare(force)};
-    const Event<F64> events[] = {{.kind = EventKind::force, .body = BodyId{0}, .value = {0, 0, 1}, .step = 10},
-                                 {.kind = EventKind::force, .body = BodyId{0}, .value = {0, 0, 2}, .step = 50}};
-    world.set_impulses({impulses.data(), 4});
-    world.set_forces({forces, 1});
-    world.set_script({events, 2});
+    std::vector<EventSpec> specs;
+    for (int i = 0; i < 4; ++i) specs.push_back({.time = Real{i} * Real{0.125}, .value = {1, 0, 0}});
+    for (const auto& [kind, time, value] : {std::tuple{EventKind::begin_force, 0.1, RealVec3{0, 1, 0}},
+                                            {EventKind::end_force, 0.3, {0, 1, 0}},
+                                            {EventKind::begin_force, 0.2, {0, 0.5, 1}},
+                                            {EventKind::force, 10.0 / 256, {0, 0, 1}},
+                                            {EventKind::force, 50.0 / 256, {0, 0, 2}}})
+        specs.push_back({.time = time, .kind = kind, .value = value, .point = {0.25, 0, 0}});
+    specs.push_back({.time = 0.25, .kind = EventKind::begin_torque, .value = {0.5, 0, 1}});
+    std::vector<Event<F64>> events;
+    world.set_script(prepare_sorted(events, specs, world.bodies()));
     std::vector<std::vector<std::uint8_t>> saved;
     std::vector<std::uint64_t> hashes;
     for (int i = 0; i < 128; ++i) {

@@ -30,18 +30,10 @@ public:
         if constexpr (f.springs > 0) return static_cast<bool>(world_.add(spring));
         else return false;
     }
-    void set_impulses([[maybe_unused]] const std::vector<ImpulseSpec>& impulses) override {
-        if constexpr (f.impulses) {
-            for (const auto& i : impulses) impulses_.push_back(world_.prepare(i));
-            world_.set_impulses({impulses_.data(), static_cast<int>(impulses_.size())});
-        }
+    void set_events([[maybe_unused]] const std::vector<EventSpec>& events) override {
+        if constexpr (f.has_script()) world_.set_script(prepare_sorted(events_, events, world_.bodies()));
     }
-    void set_forces([[maybe_unused]] const std::vector<ForceSpec>& forces) override {
-        if constexpr (f.forces) {
-            for (const auto& force : forces) forces_.push_back(world_.prepare(force));
-            world_.set_forces({forces_.data(), static_cast<int>(forces_.size())});
-        }
-    }
+    void apply(const EventSpec& event) override { world_.apply(world_.prepare(event)); }
     void apply_impulse(int body, Vector impulse, Vector point) override {
         world_.apply_impulse(BodyId{body}, real(impulse), real(point));
     }
@@ -102,8 +94,7 @@ private:
 
     World<SceneOf<N, Method, f>> world_;
     std::vector<host::PrincipalAxes> axes_;
-    std::vector<Impulse<N>> impulses_;
-    std::vector<TimedForce<N>> forces_;
+    std::vector<Event<N>> events_;
 };
 
 template <class N, Features f, class Methods>

@@ -61,6 +61,23 @@ std::vector<Case> cases_of(std::string_view method) {
 std::string name_of(const Case& c) { return std::string{c.method.name} + "_" + c.system.name; }
 void PrintTo(const Case& c, std::ostream* out) { *out << name_of(c); }
 
+std::vector<EventSpec> events_of(const std::vector<TimedImpulse>& impulses, const std::vector<TimedForce>& forces) {
+    std::vector<EventSpec> events;
+    for (const TimedImpulse& i : impulses) {
+        events.push_back({i.time, EventKind::impulse, i.body, i.frame, i.impulse, i.point});
+        if (!i.angular_impulse.is_zero())
+            events.push_back({i.time, EventKind::angular_impulse, i.body, i.frame, i.angular_impulse});
+    }
+    for (const TimedForce& f : forces) {
+        events.push_back({f.from, EventKind::begin_force, f.body, f.frame, f.force, f.point});
+        events.push_back({f.until, EventKind::end_force, f.body, f.frame, f.force, f.point});
+        if (f.torque.is_zero()) continue;
+        events.push_back({f.from, EventKind::begin_torque, f.body, f.frame, f.torque});
+        events.push_back({f.until, EventKind::end_torque, f.body, f.frame, f.torque});
+    }
+    return events;
+}
+
 namespace {
 
 std::unique_ptr<AnyWorld> fill(std::unique_ptr<AnyWorld> world, const SceneSetup& setup) {
@@ -72,8 +89,8 @@ std::unique_ptr<AnyWorld> fill(std::unique_ptr<AnyWorld> world, const SceneSetup
     for (const auto& b : setup.bodies) require(world->add(b));
     for (const auto& p : setup.planes) require(world->add(p));
     for (const auto& s : setup.springs) require(world->add(s));
-    if (!setup.impulses.empty()) world->set_impulses(setup.impulses);
-    if (!setup.forces.empty()) world->set_forces(setup.forces);
+    const std::vector<EventSpec> events = events_of(setup.impulses, setup.forces);
+    if (!events.empty()) world->set_events(events);
     return world;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <tumble/body/setup.hpp>
+#include <tumble/events/script.hpp>
 #include <tumble/scene.hpp>
 #include <tumble/status.hpp>
 
@@ -78,6 +79,22 @@ struct Kind {
     using Integrator = Method;
 };
 
+// An impulse, and a force and a torque from a time until another, which are events of a scene.
+struct TimedImpulse {
+    Real time = 0;
+    BodyIndex body = 0;
+    Frame frame = Frame::world;
+    RealVec3 impulse{}, point{}, angular_impulse{};
+};
+struct TimedForce {
+    BodyIndex body = 0;
+    Real from = 0, until = 0;
+    Frame frame = Frame::world;
+    RealVec3 force{}, point{}, torque{};
+};
+[[nodiscard]] std::vector<EventSpec> events_of(const std::vector<TimedImpulse>& impulses,
+                                               const std::vector<TimedForce>& forces);
+
 // A scene: all data of a world.
 struct SceneSetup {
     const char* name = "";
@@ -87,8 +104,8 @@ struct SceneSetup {
     std::vector<BodySpec> bodies{};
     std::vector<PlaneSpec> planes{};
     std::vector<SpringSpec> springs{};
-    std::vector<ImpulseSpec> impulses{};  // sorted by time
-    std::vector<ForceSpec> forces{};
+    std::vector<TimedImpulse> impulses{};
+    std::vector<TimedForce> forces{};
     Features needs{};  // of its minimal world: one of the sets above
 };
 
@@ -108,8 +125,8 @@ public:
     virtual bool add(const BodySpec& body) = 0;
     virtual bool add(const PlaneSpec& plane) = 0;
     virtual bool add(const SpringSpec& spring) = 0;
-    virtual void set_impulses(const std::vector<ImpulseSpec>& impulses) = 0;
-    virtual void set_forces(const std::vector<ForceSpec>& forces) = 0;
+    virtual void set_events(const std::vector<EventSpec>& events) = 0;  // those of the steps to come
+    virtual void apply(const EventSpec& event) = 0;                     // before the next step
     virtual void apply_impulse(int body, Vector impulse, Vector point = {}) = 0;
     virtual void set_gravity(Vector gravity) = 0;  // m/s^2
     virtual Status step() = 0;

@@ -23,8 +23,6 @@ struct Data {
     std::vector<BodySpec> bodies;
     std::vector<PlaneSpec> planes;
     std::vector<SpringSpec> springs;
-    std::vector<ImpulseSpec> impulses;
-    std::vector<ForceSpec> forces;
 };
 Data data;
 

@@ -1,14 +1,14 @@
 // Replay<Config, Data>: a world that is set up from a scene's data. A firmware (constant data) and the host (data read
 // at run time) both set up their worlds here, so both do the same arithmetic in the same order.
 //
-// Data has the members name, step (Seconds), steps, world (WorldSpec), and the lists bodies, planes, springs, impulses
-// and forces of their *Spec types. There may be a list events of EventSpec, and for loads that Config has: wind, m/s,
-// and a list drags of DragSpec; a list wheels of WheelsSpec; orbit, an OrbitSpec; softening, m, of gravitation. Joints
-// differ in type by kind: joints is a std::tuple of their specs, or a list of which each element calls f(spec) in
-// visit(f). In the output of `tumble compile` all of them are static constexpr. A list is a std::array, or any type
-// with size() that resize() can grow. Config is a Scene with room for all data and the features that it needs.
+// Data has the members name, step (Seconds), steps, world (WorldSpec), and the lists bodies, planes and springs of
+// their *Spec types. There may be a list events of EventSpec, and for loads that Config has: wind, m/s, and a list
+// drags of DragSpec; a list wheels of WheelsSpec; orbit, an OrbitSpec; softening, m, of gravitation. Joints differ in
+// type by kind: joints is a std::tuple of their specs, or a list of which each element calls f(spec) in visit(f). In
+// the output of `tumble compile` all of them are static constexpr. A list is a std::array, or any type with size() that
+// resize() can grow. Config is a Scene with room for all data and the features that it needs.
 //
-// Impulses, forces and events are prepared when the scene is set up, in RAM. In fixed point, events that are static
+// Events are prepared when the scene is set up, in RAM. In fixed point, events that are static
 // constexpr are prepared by the compiler: an event takes sizeof(Event<Numbers>) = 80 bytes of flash, and no RAM.
 #pragma once
 
@@ -54,10 +54,13 @@ constexpr void for_each_joint(const auto& joints, auto&& f) {
 template <class Config, class Data>
 class Replay {
     using N = typename Config::Numbers;
+    static_assert(
+        !requires(const Data& data) { data.impulses; } && !requires(const Data& data) { data.forces; },
+        "the data lists impulses and forces among its events");
     template <class List, class T>
     using Prepared = typename detail::ListOf<std::remove_cvref_t<List>, T>::type;
     static constexpr bool has_joints = Config::features.has_joints() && requires(const Data& data) { data.joints; };
-    static constexpr bool has_events = Config::features.script && requires(const Data& data) { data.events; };
+    static constexpr bool has_events = Config::features.has_script() && requires(const Data& data) { data.events; };
     // Whether events and step are constants. A pointer to a member that is not static is no pointer to an object.
     template <class From>
     static constexpr bool has_static_events = requires {
@@ -94,9 +97,6 @@ public:
         if constexpr (has_joints)
             detail::for_each_joint(data.joints, [&](const auto& spec) { (void)world_.add(spec); });
         set_up_loads(data);
-        if constexpr (Config::features.impulses)
-            world_.set_impulses(prepare_sorted(impulses_, data.impulses, world_.bodies()));
-        if constexpr (Config::features.forces) world_.set_forces(prepare_sorted(forces_, data.forces, world_.bodies()));
         if constexpr (has_constant_events)
             world_.set_script({constant_events<>.data(), static_cast<int>(constant_events<>.size())});
         else if constexpr (has_events) world_.set_script(prepare_sorted(events_, data.events, world_.bodies()));
@@ -126,9 +126,7 @@ private:
             detail::for_each_joint(data.joints, [&](const auto&) { ++joints; });
             TUMBLE_ASSERT(features.joints >= joints);
         }
-        TUMBLE_ASSERT(features.impulses || count(data.impulses) == 0);
-        TUMBLE_ASSERT(features.forces || count(data.forces) == 0);
-        if constexpr (requires { data.events; }) TUMBLE_ASSERT(features.script || count(data.events) == 0);
+        if constexpr (requires { data.events; }) TUMBLE_ASSERT(features.has_script() || count(data.events) == 0);
         if constexpr (requires { data.softening; })
             TUMBLE_ASSERT((features.gravitation && features.softening) || features.bodies < 2 ||
                           data.softening.is_zero());
@@ -171,8 +169,6 @@ private:
     }
 
     World<Config> world_;
-    [[no_unique_address]] Prepared<decltype(Data::impulses), Impulse<N>> impulses_{};
-    [[no_unique_address]] Prepared<decltype(Data::forces), TimedForce<N>> forces_{};
     [[no_unique_address]] typename Events<>::type events_{};
 };
 

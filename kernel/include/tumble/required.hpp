@@ -36,12 +36,18 @@ struct Required {
         if constexpr (features.touches()) of_surface(spec);
     }
     static constexpr void by([[maybe_unused]] EventKind kind) {
-        TUMBLE_ASSERT(features.control ||
-                      (kind != EventKind::force && kind != EventKind::torque && kind != EventKind::step_force &&
-                       kind != EventKind::step_torque && kind != EventKind::gravity));
+        TUMBLE_ASSERT(features.forces || !is_timed(kind));
+        TUMBLE_ASSERT(features.control || is_timed(kind) || (!is_wrench(kind) && kind != EventKind::gravity));
         TUMBLE_ASSERT(features.removal || (kind != EventKind::remove && kind != EventKind::remove_joint));
         TUMBLE_ASSERT(features.has_joints() || !has_joint(kind));
         TUMBLE_ASSERT(features.joint_breaks || kind != EventKind::break_joint);
+    }
+    // Whether a script may have events of a kind.
+    [[nodiscard]] static constexpr bool may_script(EventKind kind) {
+        if (is_timed(kind)) return features.forces || features.script;
+        if (kind == EventKind::impulse || kind == EventKind::angular_impulse)
+            return features.impulses || features.script;
+        return features.script;
     }
 
 private:

@@ -35,10 +35,10 @@ struct Features {
     bool gravity_gradient = false;  // torque on a long body in orbit: GravityGradient
     bool wheels = false;            // stored angular momentum of each body: Wheels
     // --- a drone: what a program does and reads ---
-    bool forces = false;     // forces and torques at set times
-    bool impulses = false;   // impulses at set times
+    bool forces = false;     // a script may have forces and torques that begin and end
+    bool impulses = false;   // a script may have impulses and angular impulses
     bool control = false;    // the program sets forces, torques and gravity while it runs
-    bool script = false;     // events of every kind at set times, for World::set_script()
+    bool script = false;     // a script may have events of every kind: World::set_script()
     bool recording = false;  // the world writes its events to a recording, for World::record()
     bool removal = false;    // bodies can be removed, and their places are used again
     bool snapshots = false;  // the world can be saved as bytes and restored, for World::save()
@@ -148,9 +148,11 @@ struct Features {
     [[nodiscard]] constexpr bool has_joint_ranges() const { return distances || joint_limits; }
     // True if joints may have springs.
     [[nodiscard]] constexpr bool has_joint_springs() const { return has_joints() && joint_springs; }
-    // True if anything other than gravity may push bodies.
+    // True if the world may have a script.
+    [[nodiscard]] constexpr bool has_script() const { return forces || impulses || script; }
+    // True if a load may push bodies: anything but gravity and what events set.
     [[nodiscard]] constexpr bool loads() const {
-        return bodies > 0 && (drag || gravitation || air || gravity_gradient || wheels || forces || springs > 0 ||
+        return bodies > 0 && (drag || gravitation || air || gravity_gradient || wheels || springs > 0 ||
                               springs_touch() || has_joint_springs());
     }
     // Every pair of a body with a plane, and with another body where these may touch.

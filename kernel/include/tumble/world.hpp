@@ -10,13 +10,12 @@
 namespace tumble {
 
 // Bodies, loads and contacts, with the capacities of the scene type S. A world is a value: a copy goes on with the same
-// bits. The arrays of set_impulses(), set_forces() and set_script() and the recording of record() are not copied; both
-// worlds point to them.
+// bits. The array of set_script() and the recording of record() are not copied; both worlds point to them.
 template <class S>
 class World : WorldSnapshots<S> {
     using Base = WorldSnapshots<S>;
-    using Base::advance_, Base::contacts_, Base::impulses_, Base::script_, Base::recording_, Base::places_,
-        Base::before_, Base::wraps_, Base::has_events;
+    using Base::advance_, Base::contacts_, Base::script_, Base::recording_, Base::places_, Base::before_, Base::wraps_,
+        Base::has_events;
     using Base::disturb, Base::refuse_to_record, Base::require_bodies, Base::has_target, Base::now, Base::place_of,
         Base::plain, Base::steps_per_second;
     using typename Base::Advance, typename Base::Required;
@@ -121,47 +120,26 @@ public:
         return advance_.loads.template own<Load>();
     }
 
-    // Converts an impulse to this world's numbers, for set_impulses().
-    [[nodiscard]] constexpr Impulse<N> prepare(const ImpulseSpec& spec) const {
-        return tumble::prepare(advance_.bodies, spec);
-    }
-    // Converts a timed force to this world's numbers, for set_forces().
-    [[nodiscard]] constexpr TimedForce<N> prepare(const ForceSpec& spec) const {
-        return tumble::prepare(advance_.bodies, spec);
-    }
     // Converts an event of a scene to this world's numbers, for set_script().
     [[nodiscard]] constexpr Event<N> prepare(const EventSpec& spec) const {
         return tumble::prepare(advance_.bodies, spec);
     }
-    // Sets the impulses for the steps to come, in place of those set before. The array is sorted by step and must
-    // outlive their use. Impulses before the next step are skipped. The bodies must have been added.
-    constexpr void set_impulses(Span<Impulse<N>> impulses) {
-        static_assert(features.impulses, "set_impulses() needs .impulses = true among the scene's features");
-        refuse_to_record();
-        require_bodies(impulses);
-        impulses_.set(impulses, now());
-    }
-    // Sets the timed forces likewise. A sorted array is faster, but need not be. Wakes the bodies that they act on.
-    constexpr void set_forces(Span<TimedForce<N>> forces) {
-        static_assert(features.forces, "set_forces() needs .forces = true among the scene's features");
-        refuse_to_record();
-        require_bodies(forces);
-        advance_.disturb();
-        advance_.loads.set_forces(forces, now(), [&](int b) { disturb(b); });
-    }
-
-    // Sets the script for the steps to come: events of every kind, sorted by step, in an array that outlives their use.
-    // Each step first applies its events of the script, as apply() does, then its impulses of set_impulses(). Forces
-    // need Features::control.
+    // Sets the script for the steps to come, in place of the one before: events of every kind, sorted by step, in an
+    // array that outlives their use. Each step first applies its events, as apply() does. Events before the next step
+    // are skipped. The bodies must have been added. With Features::impulses or Features::forces in place of
+    // Features::script, it has events of these kinds alone.
     constexpr void set_script(Span<Event<N>> events) {
-        static_assert(features.script, "set_script() needs .script = true among the scene's features");
-        for (const Event<N>& event : events) Required::by(event.kind);
+        static_assert(features.has_script(), "set_script() needs .script = true among the scene's features");
+        for (const Event<N>& event : events) {
+            TUMBLE_ASSERT(Required::may_script(event.kind));
+            Required::by(event.kind);
+        }
         require_bodies(events);
         script_.set(events, now());
     }
     // Appends every event from now on, live or of the script, to `recording`; null: no longer. The recording is a
     // script that brings a copy of this world to the same state. What no event holds is misuse meanwhile: to add
-    // something, to set impulses and forces of a scene, and to set gravity without Features::control.
+    // something, and to set gravity without Features::control.
     void record(Recording<N>* recording) {
         static_assert(features.recording, "record() needs .recording = true among the scene's features");
         recording_ = recording;
@@ -224,8 +202,7 @@ public:
     // Removes a body at once. Its joints and springs go with it, and the springs behind them move up; so do its forces,
     // its contacts and what is known of its sleep, and all bodies wake. The place counts in the hash as one without a
     // body. The next body that is added takes the first free place, with another id. The old id is misuse from now on,
-    // but an event of a script that names it is skipped. The impulses and forces of a scene name places, not ids: they
-    // act on a new body of the place, and on none where it is free.
+    // but an event of a script that names it is skipped.
     void remove(BodyId id) {
         static_assert(features.removal, "remove() needs .removal = true among the scene's features");
         Base::template act<EventKind::remove>(id, Frame::world, {});
@@ -251,14 +228,11 @@ public:
 
     // Advances every body by one step: events that are due, loads, motion, contacts. Returns the sticky status.
     Status step() {
-        if constexpr (features.script)
+        if constexpr (features.has_script())
             script_.for_each_due(now(), [&](const Event<N>& event) {
-                if (has_target(event)) apply(event);
+                if (has_target(event)) Base::apply_scripted(event);
             });
-        if constexpr (features.impulses)
-            impulses_.for_each_due(now(), [&](const Impulse<N>& impulse) { Base::apply(impulse); });
         if constexpr (features.has_joints() && features.joint_breaks) Base::break_overloaded();
-        if constexpr (features.forces && has_loads) advance_.loads.start_step(now(), [&](int b) { disturb(b); });
         Base::remember_all();
         if constexpr (Advance::has_wrenches) advance_.wrenches.start_step(advance_.bodies);
         const StepInfo<N> info{advance_.bodies.scale,
@@ -376,10 +350,10 @@ public:
         return Base::snapshot_size(part);
     }
     // Writes a snapshot, which restore() takes on any machine; returns its size, or 0 where there is no room for it.
-    // The arrays of set_impulses(), set_forces() and set_script(), the recording, and the values of the scene's own
-    // loads are not in it. Call set_forces() and change_load() before restore(): after it they drop the kick that the
-    // last step has left, and the next step differs in its last bits where springs or drag act. With Features::control
-    // a snapshot of a whole world has its gravity; one of bodies alone leaves the gravity of the world that takes it.
+    // The array of set_script(), the recording, and the values of the scene's own loads are not in it. Call
+    // change_load() before restore(): after it it drops the kick that the last step has left, and the next step differs
+    // in its last bits where springs or drag act. A snapshot of a whole world has the forces and torques that act, and
+    // with Features::control its gravity; one of bodies alone leaves those of the world that takes it.
     [[nodiscard]] int save(std::uint8_t* to, int room, SnapshotPart part = SnapshotPart::world) const {
         static_assert(features.snapshots, "save() needs .snapshots = true among the scene's features");
         return Base::save(to, room, part);

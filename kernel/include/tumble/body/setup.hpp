@@ -93,27 +93,6 @@ struct JointSpring {
     [[nodiscard]] constexpr bool acts() const { return !stiffness.is_zero() || !damping.is_zero(); }
 };
 
-// An instantaneous change of momentum before the step that begins at `time`, which is rounded to the nearest step.
-struct ImpulseSpec {
-    Real time = 0;               // s
-    BodyIndex body = 0;          // its id, or its number in the order of add()
-    Frame frame = Frame::world;  // of the impulses
-    RealVec3 impulse{};          // N s, in `frame`
-    RealVec3 point{};            // m, user's body axes, from the centre of mass
-    RealVec3 angular_impulse{};  // N m s, in `frame`
-};
-
-// A constant force and torque while from <= t < until. Both times are rounded to the nearest step.
-struct ForceSpec {
-    BodyIndex body = 0;          // its id, or its number in the order of add()
-    Real from = 0;               // s
-    Real until = 0;              // s
-    Frame frame = Frame::world;  // of force and torque
-    RealVec3 force{};            // N, in `frame`
-    RealVec3 point{};            // m, user's body axes, from the centre of mass
-    RealVec3 torque{};           // N m, in `frame`
-};
-
 // The response of contacts: nothing, impulses (with restitution and friction), or springs.
 enum class ContactResponse : std::uint8_t { none, impulse, spring };
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <tumble/body/bodies.hpp>
-#include <tumble/body/events.hpp>
 #include <tumble/body/orientation.hpp>
 #include <tumble/body/stage.hpp>
 #include <tumble/numbers/vector_block.hpp>
@@ -39,6 +38,10 @@ enum class EventKind : std::uint8_t {
     torque,            // value: N m; in place of the torque before, until the next; needs Features::control
     step_force,        // value: N; at `point`, in the next step alone, beside all others; needs Features::control
     step_torque,       // value: N m; in the next step alone, beside all others; needs Features::control
+    begin_force,       // value: N; at `point`, beside all others, until its end; needs Features::forces
+    end_force,         // ends a begin_force of the same value, frame and point
+    begin_torque,      // value: N m; beside all others, until its end; needs Features::forces
+    end_torque,        // ends a begin_torque of the same value and frame
     velocity,          // value: m/s
     angular_velocity,  // value: rad/s
     pose,              // value: m, world; `orientation`
@@ -57,6 +60,10 @@ enum class EventKind : std::uint8_t {
     case EventKind::torque: return "torque";
     case EventKind::step_force: return "step_force";
     case EventKind::step_torque: return "step_torque";
+    case EventKind::begin_force: return "begin_force";
+    case EventKind::end_force: return "end_force";
+    case EventKind::begin_torque: return "begin_torque";
+    case EventKind::end_torque: return "end_torque";
     case EventKind::velocity: return "velocity";
     case EventKind::angular_velocity: return "angular_velocity";
     case EventKind::pose: return "pose";
@@ -67,6 +74,19 @@ enum class EventKind : std::uint8_t {
     }
 }
 
+// True of a force or torque that an event sets.
+[[nodiscard]] constexpr bool is_wrench(EventKind kind) {
+    return kind >= EventKind::force && kind <= EventKind::end_torque;
+}
+// True of one that acts from its beginning to its end.
+[[nodiscard]] constexpr bool is_timed(EventKind kind) {
+    return kind >= EventKind::begin_force && kind <= EventKind::end_torque;
+}
+// True of an event that acts at a point.
+[[nodiscard]] constexpr bool has_point(EventKind kind) {
+    return kind == EventKind::impulse || kind == EventKind::force || kind == EventKind::step_force ||
+           kind == EventKind::begin_force || kind == EventKind::end_force;
+}
 // True of an event that has a body.
 [[nodiscard]] constexpr bool has_body(EventKind kind) { return kind < EventKind::gravity; }
 // True of an event of a joint.
@@ -200,18 +220,6 @@ TUMBLE_INLINE void apply_push(Bodies& bodies, int b, const Push<N>& push, bool o
                            __attribute__((always_inline)) { p_b.each_turn(body.units, unit, opposite, add(t_b)); });
         });
 }
-// Of a script of impulses.
-template <class N, class Bodies>
-void apply_impulse(Bodies& bodies, const Impulse<N>& event) {
-    const int b = event.body;
-    if (!event.impulse.is_zero())
-        apply_push<N, false>(bodies, b, {event.frame, event.point_b.is_zero(), event.impulse, event.point_b},
-                             event.opposite);
-    if constexpr (Bodies::rotation)
-        if (!event.angular.is_zero())
-            apply_push<N, true>(bodies, b, {event.frame, true, event.angular, {}}, event.angular_opposite);
-}
-
 // The vector in the world's axes, or in principal axes.
 template <class N, class Bodies>
 [[nodiscard]] VectorBlock<N> in_world(const Bodies& bodies, int b, Frame frame, VectorBlock<N> v) {

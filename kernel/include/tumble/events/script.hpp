@@ -2,7 +2,6 @@
 // script: a world that starts where the recording started, and applies it, reaches the same state in every bit.
 #pragma once
 
-#include <tumble/body/events.hpp>
 #include <tumble/events/event.hpp>
 
 namespace tumble {
@@ -16,6 +15,18 @@ struct EventSpec {
     RealVec3 value{};            // see EventKind
     RealVec3 point{};            // m, user's body axes, from the centre of mass
     RealQuat orientation{};      // user's body axes to world
+};
+
+// A constant array that outlives the world: flash in a firmware.
+template <class T>
+struct Span {
+    const T* first = nullptr;  // the first element
+    int count = 0;             // number of elements
+
+    // For loops over the elements.
+    [[nodiscard]] constexpr const T* begin() const { return first; }
+    // Past the last element.
+    [[nodiscard]] constexpr const T* end() const { return first + count; }
 };
 
 namespace detail {
@@ -40,6 +51,29 @@ template <class N, Spin spin, int capacity, bool points, class Constant>
                                                         const EventSpec& spec) {
     if (has_body(spec.kind)) (void)bodies.index_of(spec.body);
     return detail::event_of<N>(spec, bodies.step_length);
+}
+
+namespace detail {
+
+// Writes event_of(spec) of each, sorted by step. Events with equal steps keep their order.
+template <class Events, class Specs, class F>
+constexpr void prepare_each(Events& events, const Specs& specs, F&& event_of) {
+    for (std::size_t i = 0; i < specs.size(); ++i) {
+        const auto event = event_of(specs[i]);
+        std::size_t place = i;
+        for (; place > 0 && event.step < events[place - 1].step; --place) events[place] = events[place - 1];
+        events[place] = event;
+    }
+}
+
+}  // namespace detail
+
+// Events in the numbers of the world, sorted by step. Events with equal steps keep their order.
+template <class Events, class Specs, class Bodies>
+[[nodiscard]] constexpr auto prepare_sorted(Events& events, const Specs& specs, const Bodies& bodies) {
+    if constexpr (requires { events.resize(specs.size()); }) events.resize(specs.size());
+    detail::prepare_each(events, specs, [&](const auto& spec) { return prepare(bodies, spec); });
+    return Span<std::remove_cvref_t<decltype(events[0])>>{events.data(), static_cast<int>(specs.size())};
 }
 
 // An array that is sorted by step, and the place of the next element. Timed is an Event, or any record of a program

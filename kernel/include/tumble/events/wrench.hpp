@@ -1,13 +1,16 @@
-// Wrenches: forces and torques that a program sets while a world runs. Each body has a force and a torque that hold,
-// and a sum of those for the next step alone. A step takes them as one change of drift and turn, which is constant in
-// the step: exact for a force in the world's frame at the centre of mass, like gravity, and of order 2 for all others.
+// Wrenches: forces and torques that events set. Each body has a force and a torque that hold, a sum of those that have
+// begun and not ended, and a sum of those for the next step alone. A step takes them as one change of drift and turn,
+// which is constant in the step: exact for a force in the world's frame at the centre of mass, like gravity, and of
+// order 2 for all others.
 #pragma once
 
 #include <tumble/events/event.hpp>
+#include <tumble/scene.hpp>
 
 namespace tumble {
 
-template <class N, bool rotation, int capacity>
+// `begins`: forces and torques may begin and end beside those that hold.
+template <class N, bool rotation, int capacity, bool begins>
 class Wrenches {
 public:
     using Work = typename N::Work;
@@ -37,7 +40,7 @@ public:
         const bool at_centre = angular || point.is_zero();
         detail::require_rotation<angular>(bodies, b, frame, at_centre);
         held.holds = !value.is_zero();
-        body.acts = body.has_next | body.force.holds | body.torque.holds;
+        body.acts = body.has_next | body.holds();
         // The change of drift or turn depends on the orientation.
         if (angular ? frame == Frame::world : frame == Frame::body || !at_centre) {
             if (held.holds) return turn_with_the_body<angular>(bodies, b, frame, value, point);
@@ -59,6 +62,20 @@ public:
                                                                         set(body.steady.angular));
         }
         if (!within) bodies.report(Issue::range_left, b);
+    }
+    // Adds a force or torque to those that have begun, or takes it away again. The last end leaves nothing; one without
+    // a beginning does nothing.
+    template <bool angular, class Bodies>
+    [[gnu::noinline]] void begin_or_end(const Bodies& bodies, int b, Frame frame, const Block& value,
+                                        const Block& point, bool ends) requires begins {
+        if constexpr (capacity == 1) b = 0;
+        Body& body = body_[b];
+        detail::Push<N> push;
+        detail::take_push<N, angular>(push, bodies, b, frame, value, point);
+        push.value.multiply_by(seconds);
+        if (ends && body.begun.count <= 1) body.begun = {};
+        else body.begun.template add<angular>(bodies, b, push, ends);
+        body.acts = body.has_next || body.holds();
     }
     // Call when a body has been removed.
     void forget(int b) { body_[b] = {}; }
@@ -98,9 +115,85 @@ private:
             visit(self.holds, self.turns, self.push);
         }
     };
+    // Sums of those that depend on the orientation, N s or N m s in a step. A force in the world's frame at a point
+    // turns the body by the cross products of the principal axes with its moments.
+    struct Turning {
+        Block force{};      // in the body's frame, at the centre of mass
+        Block torque{};     // in the world's frame
+        Block moment[3]{};  // in the world's frame: a principal component of the point times the force
+
+        // Calls visit with the members that a snapshot holds.
+        template <class Self, class Visit>
+        static void each(Self& self, Visit& visit) {
+            visit(self.force, self.torque, self.moment);
+        }
+    };
+    // Forces and torques that have begun and not ended.
+    struct Begun {
+        int count = 0;
+        Kick kick{};  // by those that do not depend on the orientation
+        [[no_unique_address]] If<rotation, Turning, 0> turning{};
+
+        // Calls visit with the members that a snapshot holds.
+        template <class Self, class Visit>
+        static void each(Self& self, Visit& visit) {
+            visit(self.count, self.kick);
+            if constexpr (rotation) visit(self.turning);
+        }
+
+        template <bool angular>
+        void add(const auto& bodies, int b, const detail::Push<N>& push, bool ends) {
+            const auto& constants = bodies.constants[b];
+            const auto change = [&](auto& sum) {
+                return [&](int i, auto by, auto) { sum[i] = N::held_sum(sum[i], ends ? decltype(by){} - by : by); };
+            };
+            count += ends ? -1 : 1;
+            if constexpr (!angular)
+                if (push.frame == Frame::world)
+                    push.value.each_drift(constants.drift_per_impulse(), bodies.scale, false, change(kick.linear));
+            if constexpr (rotation) {
+                const auto add_to = [&](Block& sum, const Block& v) { sum = sum + (ends ? -v : v); };
+                const auto turn = [&](const Block& v) {
+                    v.each_turn(constants.units, bodies.scale, false, change(kick.angular));
+                };
+                if constexpr (angular) {
+                    if (push.frame == Frame::world) add_to(turning.torque, push.value);
+                    else turn(push.value);
+                } else {
+                    if (push.frame == Frame::body) add_to(turning.force, push.value);
+                    if (push.at_centre) return;
+                    if (push.frame == Frame::body) return turn(cross(push.point, push.value));
+                    const auto point = push.point.template as<Work>();
+                    for (int i = 0; i < 3; ++i) add_to(turning.moment[i], push.value.times(point[i]));
+                }
+            }
+        }
+        // Adds the change of drift and turn in this step, in the orientation of its middle.
+        void add_to(Kick& sum, const auto& bodies, int b) const {
+            for (int i = 0; i < 3; ++i) {
+                sum.linear[i] = N::held_sum(sum.linear[i], kick.linear[i]);
+                if constexpr (rotation) sum.angular[i] = N::held_sum(sum.angular[i], kick.angular[i]);
+            }
+            if constexpr (rotation) {
+                const auto add = [&]<bool angular>(Frame frame, const Block& v) {
+                    if (!v.is_zero()) add_in_the_middle<angular>(sum, bodies, b, {frame, true, v, {}});
+                };
+                add.template operator()<false>(Frame::body, turning.force);
+                add.template operator()<true>(Frame::world, turning.torque);
+                for (int i = 0; i < 3; ++i) {
+                    if (turning.moment[i].is_zero()) continue;
+                    const Block moment_b = turning.moment[i]
+                                               .rotated_back(bodies.state[b].q_wb.value())
+                                               .turned(-detail::half_turn<N>(bodies, b));
+                    add.template operator()<true>(Frame::body, cross(Block::of(i == 0, i == 1, i == 2), moment_b));
+                }
+            }
+        }
+    };
     struct Body {
         bool acts = false, has_next = false;
         Held force{}, torque{};
+        [[no_unique_address]] If<begins, Begun, 0> begun{};
         Kick steady{};  // by what does not turn with the body
         Kick next{};    // in the next step, where it varies
 
@@ -108,10 +201,17 @@ private:
         template <class Self, class Visit>
         static void each(Self& self, Visit& visit) {
             visit(self.acts, self.has_next, self.force, self.torque, self.steady, self.next);
+            if constexpr (begins) visit(self.begun);
         }
 
-        [[nodiscard]] TUMBLE_INLINE bool holds() const { return force.holds || torque.holds; }
-        [[nodiscard]] TUMBLE_INLINE bool varies() const { return has_next || force.turns || torque.turns; }
+        [[nodiscard]] TUMBLE_INLINE bool has_begun() const {
+            if constexpr (begins) return begun.count > 0;
+            else return false;
+        }
+        [[nodiscard]] TUMBLE_INLINE bool holds() const { return force.holds || torque.holds || has_begun(); }
+        [[nodiscard]] TUMBLE_INLINE bool varies() const {
+            return has_next || force.turns || torque.turns || has_begun();
+        }
     };
 
     template <bool angular, class Bodies>
@@ -165,6 +265,8 @@ private:
         Body& body = body_[b];
         if (body.force.turns) add_in_the_middle<false>(body.next, bodies, b, body.force.push);
         if (body.torque.turns) add_in_the_middle<true>(body.next, bodies, b, body.torque.push);
+        if (body.has_begun())
+            if constexpr (begins) body.begun.add_to(body.next, bodies, b);
         bool within = true;
         for (int i = 0; i < 3; ++i) {
             body.next.linear[i] = N::limited(N::held_sum(body.next.linear[i], body.steady.linear[i]), within);

@@ -10,7 +10,6 @@
 #include <tumble/loads/joint_spring.hpp>
 #include <tumble/loads/load.hpp>
 #include <tumble/loads/spring.hpp>
-#include <tumble/loads/timed_force.hpp>
 #include <tumble/loads/wheels.hpp>
 
 namespace tumble {
@@ -38,12 +37,11 @@ public:
                              Only<features.gravity_gradient, GravityGradient<N, features.bodies>>{} +
                              Only<features.wheels, Wheels<N, features.bodies>>{});
     // All, in the order of the sum: those of the kernel that depend on the velocity come last.
-    using Loads =
-        detail::HeldLoads<decltype(Only<features.gravitation, Gravitation>{} + Only<features.forces, TimedForces<N>>{} +
-                                   Changed{} + Only<(features.springs > 0), Springs>{} +
-                                   Only<features.has_joint_springs(), JointSprings>{} + Only<features.drag, Drag>{} +
-                                   Only<features.springs_touch(), Contacts>{}),
-                          Bodies>;
+    using Loads = detail::HeldLoads<decltype(Only<features.gravitation, Gravitation>{} + Changed{} +
+                                             Only<(features.springs > 0), Springs>{} +
+                                             Only<features.has_joint_springs(), JointSprings>{} +
+                                             Only<features.drag, Drag>{} + Only<features.springs_touch(), Contacts>{}),
+                                    Bodies>;
     static constexpr bool may_depend_on_velocity = Loads::may_depend_on_velocity;
     // Whether a load may couple two bodies that move.
     static constexpr bool may_couple = features.bodies > 1 && Loads::may_couple;
@@ -127,15 +125,6 @@ public:
         }
         return true;
     }
-    // Calls changed(body) for every force that acts in step `now`.
-    template <class F>
-    constexpr void set_forces(Span<TimedForce<N>> forces, std::uint64_t now, F&& changed) requires(features.forces) {
-        get<TimedForces<N>>().set(forces, now, changed);
-    }
-
-    // Call when the world has gone to step `now`.
-    void seek(std::uint64_t now) requires(features.forces) { get<TimedForces<N>>().seek(now); }
-
     // True of a body that feels anything but gravity in this step.
     [[nodiscard]] bool is_loaded(const Bodies& bodies, int b) const {
         return any([&](const auto& load) { return load.acts_on(bodies, b); });
@@ -168,11 +157,6 @@ public:
             if constexpr (detail::ForEachCoupled<Load, Bodies>) load.for_each_coupled(bodies, b, f);
             return false;
         });
-    }
-    // Call before step `now` is taken; calls changed(body) for every timed force that begins or ends at it.
-    template <class F>
-    void start_step(std::uint64_t now, F&& changed) requires(features.forces) {
-        get<TimedForces<N>>().start_step(now, changed);
     }
 
 #if defined(__GNUC__) && !defined(__clang__)

@@ -18,21 +18,18 @@ protected:
     constexpr WorldEvents(const WorldSpec& spec, Seconds step) : Base{spec, step} {}
 
     // An event of a body that has not been added is misuse.
-    template <class Timed>
-    constexpr void require_bodies(Span<Timed> events) const {
-        for (const Timed& event : events)
+    constexpr void require_bodies(Span<Event<N>> events) const {
+        for (const Event<N>& event : events)
             if (!is_of_world(event) && !is_of_joint(event)) (void)advance_.bodies.index_of(event.body);
     }
     // True of an event of a joint.
-    template <class Timed>
-    [[nodiscard]] static constexpr bool is_of_joint([[maybe_unused]] const Timed& event) {
-        if constexpr (features.has_joints() && requires { event.kind; }) return has_joint(event.kind);
+    [[nodiscard]] static constexpr bool is_of_joint([[maybe_unused]] const Event<N>& event) {
+        if constexpr (features.has_joints()) return has_joint(event.kind);
         else return false;
     }
     // True of an event that has no body. Without Features::control there is none.
-    template <class Timed>
-    [[nodiscard]] static constexpr bool is_of_world([[maybe_unused]] const Timed& event) {
-        if constexpr (features.control && requires { event.kind; }) return event.kind == EventKind::gravity;
+    [[nodiscard]] static constexpr bool is_of_world([[maybe_unused]] const Event<N>& event) {
+        if constexpr (features.control) return event.kind == EventKind::gravity;
         else return false;
     }
     // False of an event whose body has been removed.
@@ -41,30 +38,45 @@ protected:
             if (is_of_joint(event)) return contains(event.joint());
         return is_of_world(event) || contains(event.body);
     }
-    void apply(const Event<N>& e) {
+    // Applies an event of any kind.
+    void apply(const Event<N>& e) { apply_any<false>(e); }
+    // Applies an event of a kind that a script may have. The code of the others is absent.
+    void apply_scripted(const Event<N>& e) { apply_any<true>(e); }
+    template <bool scripted>
+    [[gnu::noinline]] void apply_any(const Event<N>& e) {
         switch (e.kind) {
-        case EventKind::impulse: return act<EventKind::impulse>(e.body, e.frame, e.value, e.point);
-        case EventKind::angular_impulse: return act<EventKind::angular_impulse>(e.body, e.frame, e.value);
-        case EventKind::force: return act<EventKind::force>(e.body, e.frame, e.value, e.point);
-        case EventKind::torque: return act<EventKind::torque>(e.body, e.frame, e.value);
-        case EventKind::step_force: return act<EventKind::step_force>(e.body, e.frame, e.value, e.point);
-        case EventKind::step_torque: return act<EventKind::step_torque>(e.body, e.frame, e.value);
-        case EventKind::velocity: return act<EventKind::velocity>(e.body, e.frame, e.value);
-        case EventKind::angular_velocity: return act<EventKind::angular_velocity>(e.body, e.frame, e.value);
-        case EventKind::pose: return act<EventKind::pose>(e.body, e.frame, e.value, {}, e.orientation);
-        case EventKind::remove: return act<EventKind::remove>(e.body, e.frame, {});
-        case EventKind::gravity:
-            TUMBLE_ASSERT(features.control && e.frame == Frame::world);
+        case EventKind::impulse: return apply_as<scripted, EventKind::impulse>(e);
+        case EventKind::angular_impulse: return apply_as<scripted, EventKind::angular_impulse>(e);
+        case EventKind::force: return apply_as<scripted, EventKind::force>(e);
+        case EventKind::torque: return apply_as<scripted, EventKind::torque>(e);
+        case EventKind::step_force: return apply_as<scripted, EventKind::step_force>(e);
+        case EventKind::step_torque: return apply_as<scripted, EventKind::step_torque>(e);
+        case EventKind::begin_force: return apply_as<scripted, EventKind::begin_force>(e);
+        case EventKind::end_force: return apply_as<scripted, EventKind::end_force>(e);
+        case EventKind::begin_torque: return apply_as<scripted, EventKind::begin_torque>(e);
+        case EventKind::end_torque: return apply_as<scripted, EventKind::end_torque>(e);
+        case EventKind::velocity: return apply_as<scripted, EventKind::velocity>(e);
+        case EventKind::angular_velocity: return apply_as<scripted, EventKind::angular_velocity>(e);
+        case EventKind::pose: return apply_as<scripted, EventKind::pose>(e);
+        case EventKind::remove: return apply_as<scripted, EventKind::remove>(e);
+        case EventKind::gravity: return apply_as<scripted, EventKind::gravity>(e);
+        case EventKind::break_joint: return apply_as<scripted, EventKind::break_joint>(e);
+        case EventKind::remove_joint: return apply_as<scripted, EventKind::remove_joint>(e);
+        }
+    }
+    template <bool scripted, EventKind kind>
+    void apply_as(const Event<N>& e) {
+        if constexpr (scripted && !Required::may_script(kind)) return;
+        Required::by(kind);
+        if constexpr (has_joint(kind)) {
+            if constexpr (features.has_joints()) act_on_joint<kind>(e.joint());
+        } else if constexpr (has_body(kind)) {
+            if constexpr (kind == EventKind::pose) act<kind>(e.body, e.frame, e.value, {}, e.orientation);
+            else if constexpr (has_point(kind)) act<kind>(e.body, e.frame, e.value, e.point);
+            else act<kind>(e.body, e.frame, e.value);
+        } else {
+            TUMBLE_ASSERT(e.frame == Frame::world);
             if constexpr (features.control) act_on_world(e.value);
-            return;
-        case EventKind::break_joint:
-        case EventKind::remove_joint:
-            Required::by(e.kind);
-            if constexpr (features.has_joints()) {
-                if (e.kind == EventKind::remove_joint) act_on_joint<EventKind::remove_joint>(e.joint());
-                else act_on_joint<EventKind::break_joint>(e.joint());
-            }
-            return;
         }
     }
     // An event of a joint.
@@ -97,7 +109,7 @@ protected:
         if constexpr (features.recording)
             if (recording_ != nullptr)
                 recording_->append({EventKind::gravity, Frame::world, {}, gravity, {}, {}}, now());
-        if constexpr (Advance::has_wrenches) {
+        if constexpr (Advance::sets_gravity) {
             if (!advance_.set_gravity(gravity.block())) return;
             if constexpr (has_contacts) {
                 tell_gravity();
@@ -121,15 +133,20 @@ protected:
         if constexpr (moves_surfaces) before = bodies.state[b];
         if constexpr (features.recording)
             if (recording_ != nullptr) recording_->append({kind, frame, id, value, point, orientation}, now());
-        if constexpr (kind == Kind::force || kind == Kind::torque || kind == Kind::step_force ||
-                      kind == Kind::step_torque) {
+        if constexpr (is_wrench(kind)) {
             Required::by(kind);
             if (bodies.constants[b].fixed()) return;
             if constexpr (Advance::has_wrenches) {
-                constexpr bool angular = kind == Kind::torque || kind == Kind::step_torque;
+                constexpr bool angular = kind == Kind::torque || kind == Kind::step_torque ||
+                                         kind == Kind::begin_torque || kind == Kind::end_torque;
+                auto& wrenches = advance_.wrenches;
                 if constexpr (kind == Kind::force || kind == Kind::torque)
-                    advance_.wrenches.template set<angular>(bodies, b, frame, value.block(), point.block());
-                else advance_.wrenches.template add<angular>(bodies, b, frame, value.block(), point.block());
+                    wrenches.template set<angular>(bodies, b, frame, value.block(), point.block());
+                else if constexpr (kind == Kind::step_force || kind == Kind::step_torque)
+                    wrenches.template add<angular>(bodies, b, frame, value.block(), point.block());
+                else if constexpr (features.forces)
+                    wrenches.template begin_or_end<angular>(bodies, b, frame, value.block(), point.block(),
+                                                            kind == Kind::end_force || kind == Kind::end_torque);
             }
             return disturb(b);
         } else if constexpr (kind == Kind::remove) {
@@ -158,11 +175,6 @@ protected:
         if (kind == Kind::pose || (bodies.constants[b].fixed() && !bodies.constants[b].kinematic())) replaced(b);
         has_changed(b);
         if constexpr (moves_surfaces) contacts_.note_surface(bodies, b, before, halvings);
-    }
-    void apply(const Impulse<N>& event) {
-        const int b = advance_.bodies.index_of(event.body);
-        if (!advance_.bodies.constants[b].fixed()) detail::apply_impulse(advance_.bodies, event);
-        has_changed(b);
     }
 
 private:

@@ -47,7 +47,7 @@ protected:
     static_assert(!features.has_joints() || features.rotation,
                   "joints tie bodies that rotate: leave out .rotation = false, or .joints");
     static constexpr bool has_contacts = features.contacts();
-    static constexpr bool has_events = features.impulses || features.forces || features.script || features.recording;
+    static constexpr bool has_events = features.has_script() || features.recording;
     static constexpr bool has_imu = features.imu && features.bodies > 0;
     using Required = tumble::detail::Required<features>;
     using Contacts = tumble::Contacts<N, Integrator::spin, features>;
@@ -164,8 +164,7 @@ protected:
 
     [[no_unique_address]] Advance advance_;
     [[no_unique_address]] If<has_contacts, Contacts, 1> contacts_;
-    [[no_unique_address]] If<features.impulses, Script<Impulse<N>>, 2> impulses_{};
-    [[no_unique_address]] If<features.script, Script<Event<N>>, 3> script_{};
+    [[no_unique_address]] If<features.has_script(), Script<Event<N>>, 3> script_{};
     [[no_unique_address]] If<features.recording, Recording<N>*, 8> recording_{};
     [[no_unique_address]] If<features.snapshots, tumble::detail::Digest, 10> digest_{};
     [[no_unique_address]] If<features.removal, Places<(features.bodies > 0 ? features.bodies : 1)>, 9> places_{};

@@ -10,8 +10,9 @@ class WorldSnapshots : protected WorldEvents<S> {
     using Base = WorldEvents<S>;
 
 protected:
+    using Base::Base;
     using Base::features, Base::has_contacts, Base::has_events, Base::has_imu, Base::advance_, Base::contacts_,
-        Base::impulses_, Base::script_, Base::digest_, Base::places_, Base::before_, Base::wraps_;
+        Base::script_, Base::digest_, Base::places_, Base::before_, Base::wraps_;
     using Base::remember, Base::now, Base::replaced, Base::disturb;
     using typename Base::N, typename Base::Integrator, typename Base::Work, typename Base::Advance,
         typename Base::Bodies, typename Base::Contacts;
@@ -103,9 +104,7 @@ private:
     }
     // Call when the world has gone to another step.
     void select() requires has_events {
-        if constexpr (features.impulses) impulses_.seek(now());
-        if constexpr (features.script) script_.seek(now());
-        if constexpr (features.forces && Advance::has_loads) advance_.loads.seek(now());
+        if constexpr (features.has_script()) script_.seek(now());
     }
 };
 
