@@ -105,7 +105,7 @@ public:
     template <class Group>
     TUMBLE_INLINE void apply_to(const Group& group) const {
         if constexpr (Group::rotation)
-            if (on_) add_to(group);
+            if (on_ && group.turned) add_to(group);
     }
 
 private:
@@ -116,13 +116,14 @@ private:
         WorkVec3<N> v_w, w_b;           // m/s, rad/s
         WorkVec3<N> force_w, torque_b;  // N, N m about the centre of mass
 
-        template <class Group>
-        void set(const Group& group, int b, const StageState<N>& at) {
+        void set(const Bodies& bodies, int b, const StageState<N>& at, Work steps_per_second) {
             stage = &at;
+            force_w = zero_vector<N>();
+            for (int i = 0; i < 3; ++i) v_w[i] = N::metres(at.d_w[i], bodies.scale) * steps_per_second;
             q_wb = work_quaternion<N>(at.q_wb);
-            v_w = group.velocity_at(at);
-            w_b = group.spin_at(at, b);
-            force_w = torque_b = zero_vector<N>();
+            torque_b = zero_vector<N>();
+            for (int i = 0; i < 3; ++i)
+                w_b[i] = N::half_turn(at.t_b[i], bodies.scale) * bodies.constants[b].units.rate(i, steps_per_second);
         }
         // m/s, world, of a point of the body (principal axes, m).
         [[nodiscard]] WorkVec3<N> velocity_at(const WorkVec3<N>& r_b) const {
@@ -141,27 +142,27 @@ private:
         Bodies& bodies = group.bodies;
         Loaded loaded[features.bodies], outside;  // a fixed body
         StageState<N> stage_outside;
+        const Work rate = group.rate(), seconds = group.seconds;
         for (int k = 0; k < group.count; ++k)
-            if (touches(group.id[k])) loaded[k].set(group, group.id[k], group.stage[k]);
+            if (bodies.rotates(group.id[k])) loaded[k].set(bodies, group.id[k], group.stage[k], rate);
         for (int k = 0; k < group.count; ++k) {
             const int a = group.id[k];
             apply(loaded[k], a, bodies);
             for (int b = 0; features.pairs && b < bodies.count; ++b) {
-                if (b == a || !meet(a, b)) continue;
+                if (b == a) continue;
                 const int other = group.place_of(b);
-                if (b < a && other >= 0) continue;
-                if (other < 0) outside.set(group, b, stage_outside = stage_of(bodies.state[b]));
+                if ((b < a && other >= 0) || !meet(a, b)) continue;
+                if (other < 0) outside.set(bodies, b, stage_outside = stage_of(bodies.state[b]), rate);
                 apply(loaded[k], a, other < 0 ? outside : loaded[other], b, bodies);
             }
         }
         for (int k = 0; k < group.count; ++k) {
-            const int b = group.id[k];
-            if (!touches(b)) continue;
-            const auto& body = bodies.constants[b];
-            const Work linear = body.drift_per_impulse() * group.seconds;
+            const auto& body = bodies.constants[group.id[k]];
+            const Work linear = body.drift_per_impulse() * seconds;
+            if (!bodies.rotates(group.id[k])) continue;  // a point mass touches nothing
             for (int i = 0; i < 3; ++i) L::add(group.kick[k].linear, i, loaded[k].force_w[i] * linear, bodies.scale);
-            for (int i = 0; i < 3 && group.rotates(k); ++i)
-                L::add(group.kick[k].angular, i, loaded[k].torque_b[i] * (body.units.per_impulse(i) * group.seconds),
+            for (int i = 0; i < 3; ++i)
+                L::add(group.kick[k].angular, i, loaded[k].torque_b[i] * (body.units.per_impulse(i) * seconds),
                        bodies.scale);
         }
     }

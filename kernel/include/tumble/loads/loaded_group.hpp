@@ -94,6 +94,8 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
             L::add(kick[k].angular[i], v, i, L::product(f, half_turn_per_impulse(k, i)), bodies.scale);
     }
 
+    // Portions a second.
+    [[nodiscard]] Work rate() const { return whole ? steps_per_second : steps_per_second * L::work(per_length); }
     // At a stage of a body: m/s, world.
     [[nodiscard]] WorkVec3<N> velocity_at(const Stage& s) const {
         const Work per_second = rate();
@@ -148,8 +150,6 @@ private:
     [[nodiscard]] static Quaternion<Work> plain(const Quat<typename N::Unit>& q) {
         return {N::work(q.w), {N::work(q.v.x()), N::work(q.v.y()), N::work(q.v.z())}};
     }
-    // Portions a second.
-    [[nodiscard]] Work rate() const { return whole ? steps_per_second : steps_per_second * L::work(per_length); }
 };
 
 }  // namespace tumble
