@@ -11,8 +11,7 @@ namespace tumble {
 template <class S>
 class Advance : TreeMotion<S> {
     using Base = TreeMotion<S>;
-    using Base::features, Base::rotation, Base::keeps_kicks, Base::step_bounds, Base::spring_bounds, Base::inertia_,
-        Base::kept_, Base::gravity_;
+    using Base::features, Base::rotation, Base::keeps_kicks, Base::step_bounds, Base::spring_bounds, Base::gravity_;
     using Base::foresee, Base::is_driven, Base::is_loaded, Base::keep_joint_springs, Base::prepares_spin,
         Base::set_inertia;
     using typename Base::N, typename Base::Work, typename Base::DriftSum, typename Base::Loads, typename Base::Joints;

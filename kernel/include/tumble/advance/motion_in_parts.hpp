@@ -19,8 +19,7 @@ public:
     using Base::features, Base::has_loads, Base::rotation, Base::has_wrenches, Base::spin, Base::bodies, Base::loads,
         Base::places_, Base::gravity_;
     using typename Base::N, typename Base::Integrator, typename Base::Work, typename Base::DriftSum,
-        typename Base::TurnSum, typename Base::State, typename Base::Bodies, typename Base::BodyGroup,
-        typename Base::Portion;
+        typename Base::State, typename Base::Bodies, typename Base::BodyGroup, typename Base::Portion;
 
     // A step of a body that loads do not couple to another.
     void alone(int b, const StepInfo<N>& info) requires has_loads {

@@ -14,7 +14,7 @@ protected:
         Base::now, Base::tell_gravity, Base::has_changed, Base::replaced, Base::disturb;
     using Base::features, Base::has_contacts, Base::advance_, Base::contacts_, Base::recording_, Base::digest_,
         Base::places_;
-    using typename Base::N, typename Base::Work, typename Base::Advance, typename Base::State, typename Base::Required;
+    using typename Base::N, typename Base::Work, typename Base::Advance, typename Base::Required;
     constexpr WorldEvents(const WorldSpec& spec, Seconds step) : Base{spec, step} {}
 
     // An event of a body that has not been added is misuse.

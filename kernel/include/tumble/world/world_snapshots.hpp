@@ -12,7 +12,7 @@ class WorldSnapshots : protected WorldEvents<S> {
 protected:
     using Base::Base;
     using Base::features, Base::has_contacts, Base::has_events, Base::has_imu, Base::advance_, Base::contacts_,
-        Base::script_, Base::digest_, Base::places_, Base::before_, Base::wraps_;
+        Base::script_, Base::digest_;
     using Base::remember, Base::now, Base::replaced, Base::disturb;
     using typename Base::N, typename Base::Integrator, typename Base::Work, typename Base::Advance,
         typename Base::Bodies, typename Base::Contacts;
