@@ -9,16 +9,7 @@
 namespace tumble::test::joint_breaks {
 namespace {
 
-inline constexpr Features brittle{.bodies = 5,
-                                  .joints = 5,
-                                  .distances = true,
-                                  .joint_springs = true,
-                                  .joint_breaks = true,
-                                  .control = true,
-                                  .script = true,
-                                  .recording = true,
-                                  .removal = true,
-                                  .snapshots = true};
+inline constexpr Features brittle = joint_cases::shared;
 using joint_cases::g;
 
 template <class W>
