@@ -252,18 +252,15 @@ private:
     std::vector<std::uint8_t> bytes_;
 };
 
-// The shortest turn from y to the direction, which is of unit length: x, y, z, w.
-std::array<double, 4> turn_from_y(const Triple& to) {
-    if (to[1] < -0.999999) return {1, 0, 0, 0};
-    const double w = std::sqrt((1 + to[1]) / 2);
-    return {to[2] / (2 * w), 0, -to[0] / (2 * w), w};
-}
-
-// The same from z.
-std::array<double, 4> turn_from_z(const Triple& to) {
-    if (to[2] < -0.999999) return {1, 0, 0, 0};
-    const double w = std::sqrt((1 + to[2]) / 2);
-    return {-to[1] / (2 * w), to[0] / (2 * w), 0, w};
+// The shortest turn from an axis to the direction, which is of unit length: x, y, z, w.
+std::array<double, 4> turn_from(std::size_t axis, const Triple& to) {
+    if (to[axis] < -0.999999) return {1, 0, 0, 0};
+    const double w = std::sqrt((1 + to[axis]) / 2);
+    std::array<double, 4> turn{0, 0, 0, w};
+    const std::size_t next = (axis + 1) % 3, last = (axis + 2) % 3;
+    turn[next] = -to[last] / (2 * w);
+    turn[last] = to[next] / (2 * w);
+    return turn;
 }
 
 constexpr Colour of_planes{0.55, 0.55, 0.55}, of_fixed{0.3, 0.3, 0.35}, of_joints{0.02, 0.02, 0.02};
@@ -306,7 +303,7 @@ void place_joint(Document& document, const JointDescription& joint, const BodyDe
         const bool slides = joint.kind == JointKind::slider;
         Mesh pin;
         add_cylinder(pin, thickness / (slides ? 8 : 4), (slides ? 6 : 2.5) * extent_along(mesh, own));
-        add(pin, turn_from_z(triple(own)));
+        add(pin, turn_from(2, triple(own)));
     }
 }
 
@@ -381,7 +378,7 @@ std::string Gltf::text() const {
             above += normal[i] * centre[i];
         }
         for (std::size_t i = 0; i < 3; ++i) at[i] -= above * normal[i];
-        (void)document.place(plane.name, document.add(square(reach), of_planes, true), at, turn_from_y(normal));
+        (void)document.place(plane.name, document.add(square(reach), of_planes, true), at, turn_from(1, normal));
     }
     return document.text();
 }

@@ -14,6 +14,8 @@ using namespace reference;
 using Six = std::array<Number, 6>;
 using Matrix = std::array<Six, 6>;
 
+constexpr Vector axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+
 Six six(const Vector& linear, const Vector& angular) {
     return {linear.x, linear.y, linear.z, angular.x, angular.y, angular.z};
 }
@@ -41,7 +43,6 @@ Six carried_back(const Six& f, const Vector& reach) { return six(linear(f), angu
 
 // The inertia about the other point. It is symmetric, so its rows are its columns.
 Matrix carried_back(const Matrix& inertia, const Vector& reach) {
-    const Vector axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     Matrix about;
     for (std::size_t i = 0; i < 3; ++i) {
         const Vector swing = cross(axes[i], reach);
@@ -105,30 +106,26 @@ void JointTrees::add(std::size_t body, int parent, const JointDescription* joint
         node.free.push_back({true, other.q.rotate_back(axis), is_kept_by_own});
     };
     const auto slide = [&](const Vector& axis) { node.free.push_back({false, other.q.rotate_back(axis)}); };
-    const Vector axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    if (joint == nullptr) {
+    // A root that flies moves as what a distance ties.
+    switch (joint == nullptr ? JointKind::distance : joint->kind) {
+    case JointKind::hinge: turn(unit(vector_of(joint->axis))); break;
+    case JointKind::slider: slide(unit(vector_of(joint->axis))); break;
+    case JointKind::universal: {
+        // The axis of `to_body` is made perpendicular to that of `body`.
+        const Vector axis = unit(vector_of(joint->axis)), to_axis = vector_of(joint->to_axis);
+        turn(axis, static_cast<int>(body) == joint->body);
+        turn(unit(to_axis - axis * reference::dot(to_axis, axis)), static_cast<int>(body) != joint->body);
+        break;
+    }
+    case JointKind::fixed: break;
+    case JointKind::distance:
         for (const Vector& axis : axes) slide(axis);
+        [[fallthrough]];
+    case JointKind::ball:
         for (const Vector& axis : axes) turn(axis);
-    } else {
-        switch (joint->kind) {
-        case JointKind::hinge: turn(unit(vector_of(joint->axis))); break;
-        case JointKind::slider: slide(unit(vector_of(joint->axis))); break;
-        case JointKind::ball:
-            for (const Vector& axis : axes) turn(axis);
-            break;
-        case JointKind::universal: {
-            // The axis of `to_body` is made perpendicular to that of `body`.
-            const Vector axis = unit(vector_of(joint->axis)), to_axis = vector_of(joint->to_axis);
-            turn(axis, static_cast<int>(body) == joint->body);
-            turn(unit(to_axis - axis * reference::dot(to_axis, axis)), static_cast<int>(body) != joint->body);
-            break;
-        }
-        case JointKind::fixed: break;
-        case JointKind::distance:
-            for (const Vector& axis : axes) slide(axis);
-            for (const Vector& axis : axes) turn(axis);
-            break;
-        }
+        break;
+    }
+    if (joint != nullptr) {
         node.is_reversed = static_cast<int>(body) != joint->body;
         if (joint->spring.acts() || joint->to_spring.acts()) {
             node.springs.assign(node.free.size(), joint->spring);
@@ -229,7 +226,6 @@ Six JointTrees::bias_of(std::size_t i, std::span<const Number> state, const Link
 }
 
 Matrix JointTrees::inertia_of(std::size_t body, const Motions& motions) const {
-    const Vector axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const Rotation& q = motions[body].q;
     Matrix inertia;
     for (std::size_t i = 0; i < 3; ++i) {
