@@ -57,8 +57,8 @@ Number off_its_height(const Run& run) {
 // The cradle begins with the strike, at 1 m/s. The last ball is half a metre from its wall.
 void strike_at_the_start(SceneData& scene) {
     BodySpec& struck = scene.bodies.front();
-    struck.velocity.x = scene.impulses.front().impulse.x / struck.mass;
-    scene.impulses.clear();
+    struck.velocity.x = scene.events.front().value.x / struck.mass;
+    scene.events.clear();
 }
 Number speed_of_the_last(const Run& run) {
     return std::abs(run.at[static_cast<std::size_t>(run.rate) / 4].back().v.x - run.start(0).v.x);
