@@ -224,19 +224,6 @@ TYPED_TEST(Layered, a_snapshot_of_mechanisms_and_contacts_goes_on_with_the_same_
     EXPECT_EQ(saved.world.hash(), restored.world.hash());
 }
 
-TYPED_TEST(Layered, a_snapshot_knows_the_layers_of_the_bodies) {
-    const auto make = [](unsigned layers) {
-        WorldOf<TypeParam> world{step, falling};
-        (void)world.add(placed(sphere(1, 0.25), {0, 2, 0}, layers));
-        return world;
-    };
-    auto one = make(1), same = make(1), other = make(2);
-    std::array<std::uint8_t, 16384> bytes{};
-    const int size = one.save(bytes.data(), static_cast<int>(bytes.size()));
-    EXPECT_EQ(same.restore(bytes.data(), size), SnapshotFault::none);
-    EXPECT_EQ(other.restore(bytes.data(), size), SnapshotFault::other_scene);
-}
-
 // The body that comes after one that was removed has layers of its own.
 TYPED_TEST(Layered, a_place_forgets_the_layers_of_a_removed_body) {
     WorldOf<TypeParam> world{step, falling};

@@ -16,6 +16,8 @@ struct InertiaTensor {
     Real xy{};  // minus the product of inertia of x and y
     Real xz{};  // minus the product of inertia of x and z
     Real yz{};  // minus the product of inertia of y and z
+
+    friend constexpr bool operator==(const InertiaTensor&, const InertiaTensor&) = default;
 };
 
 // The order of the user's axes as principal axes, where no product of inertia makes them turn. The third principal axis
@@ -67,6 +69,8 @@ enum class ShapeKind : std::uint8_t { none, sphere, box, cylinder, hoop, capsule
 struct Shape {
     ShapeKind kind = ShapeKind::none;  // none: a mass without extension
     RealVec3 size{};                   // m, as above
+
+    friend constexpr bool operator==(const Shape&, const Shape&) = default;
 };
 
 namespace detail {

@@ -20,6 +20,19 @@ struct Seconds {
     constexpr explicit Seconds(Real seconds) : value{seconds} {}
 };
 
+// A field of a spec: its name, its unit, and what it takes. Each spec names its fields once, in each(f, of...), which
+// calls f(field, x...) for each of them in the order of the spec, with the members x of that name of the structs `of`:
+// of a spec, or of others with the same members. What depends on all fields follows from it: the digest of snapshots,
+// `tumble compile`, and the reader and the writer of scene files.
+struct Field {
+    // Numbers in a range; the id of a body; and any number that steps or events change, which a snapshot holds.
+    enum Kind : std::uint8_t { any, positive, not_negative, zero_to_one, body, state };
+
+    const char* name;
+    const char* unit = "";  // SI; empty: none
+    Kind kind = any;        // of a value that is given, where the default is none
+};
+
 // A body as it is added to a world.
 struct BodySpec {
     static constexpr std::uint16_t all_layers = 0xffff;  // BodySpec::layers of a body in every layer
@@ -43,6 +56,23 @@ struct BodySpec {
 
     // True of a body that nothing pushes.
     [[nodiscard]] constexpr bool is_fixed() const { return fixed || kinematic; }
+
+    static constexpr void each(auto&& f, auto&... of) {  // see Field
+        f(Field{"shape", "m"}, of.shape...);
+        f(Field{"mass", "kg", Field::positive}, of.mass...);
+        f(Field{"inertia", "kg m^2"}, of.inertia...);
+        f(Field{"position", "m", Field::state}, of.position...);
+        f(Field{"velocity", "m/s", Field::state}, of.velocity...);
+        f(Field{"orientation", "", Field::state}, of.orientation...);
+        f(Field{"angular_velocity", "rad/s", Field::state}, of.angular_velocity...);
+        f(Field{"restitution", "", Field::zero_to_one}, of.restitution...);
+        f(Field{"friction", "", Field::not_negative}, of.friction...);
+        f(Field{"rolling_resistance", "m", Field::not_negative}, of.rolling_resistance...);
+        f(Field{"spinning_resistance", "m", Field::not_negative}, of.spinning_resistance...);
+        f(Field{"fixed"}, of.fixed...);
+        f(Field{"kinematic"}, of.kinematic...);
+        f(Field{"layers"}, of.layers...);
+    }
 };
 
 // True of a point mass: a body without shape and inertia. It collides with nothing, and has neither orientation nor
@@ -68,6 +98,15 @@ struct PlaneSpec {
     Real friction = -1;             // Coulomb's coefficient; negative: the world's value
     Real rolling_resistance = -1;   // m; the moment against rolling over the normal force; negative: the world's value
     Real spinning_resistance = -1;  // m; the same about the normal
+
+    static constexpr void each(auto&& f, auto&... of) {  // see Field
+        f(Field{"normal"}, of.normal...);
+        f(Field{"offset", "m"}, of.offset...);
+        f(Field{"restitution", "", Field::zero_to_one}, of.restitution...);
+        f(Field{"friction", "", Field::not_negative}, of.friction...);
+        f(Field{"rolling_resistance", "m", Field::not_negative}, of.rolling_resistance...);
+        f(Field{"spinning_resistance", "m", Field::not_negative}, of.spinning_resistance...);
+    }
 };
 
 // F = -k (length - rest_length) - c (rate of length), between a point of `body` and a point of the world or of another
@@ -80,6 +119,16 @@ struct SpringSpec {
     Real stiffness = 0;      // N/m
     Real damping = 0;        // N s/m
     Real rest_length = 0;    // m
+
+    static constexpr void each(auto&& f, auto&... of) {  // see Field
+        f(Field{"body", "", Field::body}, of.body...);
+        f(Field{"point", "m"}, of.point...);
+        f(Field{"to_body", "", Field::body}, of.to_body...);
+        f(Field{"to", "m"}, of.to...);
+        f(Field{"stiffness", "N/m", Field::not_negative}, of.stiffness...);
+        f(Field{"damping", "N s/m", Field::not_negative}, of.damping...);
+        f(Field{"rest_length", "m", Field::not_negative}, of.rest_length...);
+    }
 };
 
 // A spring and a damper along a free direction of a joint: a torque or a force -stiffness (x - rest) - damping (rate of
@@ -91,6 +140,12 @@ struct JointSpring {
 
     // True where it does anything.
     [[nodiscard]] constexpr bool acts() const { return !stiffness.is_zero() || !damping.is_zero(); }
+
+    static constexpr void each(auto&& f, auto&... of) {  // see Field
+        f(Field{"stiffness", "N m/rad or N/m", Field::not_negative}, of.stiffness...);
+        f(Field{"damping", "N m s/rad or N s/m", Field::not_negative}, of.damping...);
+        f(Field{"rest", "rad or m"}, of.rest...);
+    }
 };
 
 // The response of contacts: nothing, impulses (with restitution and friction), or springs.
@@ -106,6 +161,13 @@ struct SleepSpec {
     Real speed = 0.03;          // m/s
     Real angular_speed = 0.05;  // rad/s
     Real time = 0.5;            // s
+
+    static constexpr void each(auto&& f, auto&... of) {  // see Field
+        f(Field{"on"}, of.on...);
+        f(Field{"speed", "m/s", Field::positive}, of.speed...);
+        f(Field{"angular_speed", "rad/s", Field::positive}, of.angular_speed...);
+        f(Field{"time", "s", Field::not_negative}, of.time...);
+    }
 };
 
 // Contacts of bodies with planes and with each other.
@@ -149,6 +211,26 @@ struct ContactSpec {
     }
     // True where a step has bounds other than the usual ones.
     [[nodiscard]] constexpr bool has_bounds() const { return most_impacts > 0 || most_searches > 0 || most_sweeps > 0; }
+
+    static constexpr void each(auto&& f, auto&... of) {  // see Field
+        f(Field{"response"}, of.response...);
+        f(Field{"restitution", "", Field::zero_to_one}, of.restitution...);
+        f(Field{"restitution_threshold", "m/s", Field::not_negative}, of.restitution_threshold...);
+        f(Field{"friction", "", Field::not_negative}, of.friction...);
+        f(Field{"rolling_resistance", "m", Field::not_negative}, of.rolling_resistance...);
+        f(Field{"spinning_resistance", "m", Field::not_negative}, of.spinning_resistance...);
+        f(Field{"restitution_mixing"}, of.restitution_mixing...);
+        f(Field{"friction_mixing"}, of.friction_mixing...);
+        f(Field{"tolerance", "m", Field::positive}, of.tolerance...);
+        f(Field{"stiffness", "N/m", Field::not_negative}, of.stiffness...);
+        f(Field{"damping", "N s/m", Field::not_negative}, of.damping...);
+        f(Field{"barrier", "N m^2", Field::not_negative}, of.barrier...);
+        f(Field{"sleep"}, of.sleep...);
+        f(Field{"most_impacts"}, of.most_impacts...);
+        f(Field{"most_searches"}, of.most_searches...);
+        f(Field{"most_sweeps"}, of.most_sweeps...);
+        f(Field{"exact_bodies"}, of.exact_bodies...);
+    }
 };
 
 // True of a restitution that a body or plane may have. Negative values stand for the world's.
@@ -179,6 +261,14 @@ struct WorldSpec {
     Real linear_drag = 0;   // kg/s
     Real angular_drag = 0;  // N m s
     ContactSpec contact{};  // contacts
+
+    static constexpr void each(auto&& f, auto&... of) {  // see Field
+        f(Field{"gravity", "m/s^2", Field::state}, of.gravity...);
+        f(Field{"gravitation", "m^3/(kg s^2)", Field::not_negative}, of.gravitation...);
+        f(Field{"linear_drag", "kg/s", Field::not_negative}, of.linear_drag...);
+        f(Field{"angular_drag", "N m s", Field::not_negative}, of.angular_drag...);
+        f(Field{"contact"}, of.contact...);
+    }
 };
 
 // The orientation of a body that is turned about an axis of any length but zero, by an angle, rad, right-handed; of

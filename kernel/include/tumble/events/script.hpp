@@ -15,6 +15,16 @@ struct EventSpec {
     RealVec3 value{};            // see EventKind
     RealVec3 point{};            // m, user's body axes, from the centre of mass
     RealQuat orientation{};      // user's body axes to world
+
+    static constexpr void each(auto&& f, auto&... of) {  // see Field
+        f(Field{"time", "s", Field::not_negative}, of.time...);
+        f(Field{"kind"}, of.kind...);
+        f(Field{"body", "", Field::body}, of.body...);
+        f(Field{"frame"}, of.frame...);
+        f(Field{"value"}, of.value...);
+        f(Field{"point", "m"}, of.point...);
+        f(Field{"orientation"}, of.orientation...);
+    }
 };
 
 // A constant array that outlives the world: flash in a firmware.

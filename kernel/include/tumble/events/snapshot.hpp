@@ -309,7 +309,7 @@ private:
 
 struct SnapshotHeader {
     static constexpr int words = 8, bytes = 4 * words;
-    static constexpr std::uint32_t mark = 0x6c626d74u, version = 3;  // "tmbl"
+    static constexpr std::uint32_t mark = 0x6c626d74u, version = 4;  // "tmbl"
 
     SnapshotPart part = SnapshotPart::world;
     Spin spin = Spin::none;     // in the states of bodies
@@ -358,13 +358,33 @@ public:
     using Words = SnapshotWriter;  // adds up the check word of numbers
     constexpr void add(std::uint32_t word) { hash_.add(word); }
     constexpr void add(int value) { hash_.add(static_cast<std::uint32_t>(value)); }
-    constexpr void add(const Real& value) {
+    TUMBLE_SET_UP constexpr void add(const Real& value) {
         const auto bits = std::bit_cast<std::uint64_t>(value.to_double());
         hash_.add(static_cast<std::uint32_t>(bits));
         hash_.add(static_cast<std::uint32_t>(bits >> 32));
     }
     constexpr void add(const RealVec3& v) {
         for (int i = 0; i < 3; ++i) add(v[i]);
+    }
+    constexpr void add(const RealQuat& q) {
+        add(q.w);
+        add(q.v);
+    }
+    constexpr void add(const Shape& shape) {
+        add(shape.kind);
+        add(shape.size);
+    }
+    constexpr void add(const InertiaTensor& i) {
+        for (const Real* element : {&i.xx, &i.yy, &i.zz, &i.xy, &i.xz, &i.yz}) add(*element);
+    }
+    // A spec, but for its state; a choice; or the number of a body.
+    template <class T>
+    constexpr void add(const T& value) {
+        if constexpr (requires { T::each(*this, value); }) T::each(*this, value);
+        else add(static_cast<int>(value));
+    }
+    TUMBLE_INLINE constexpr void operator()(Field field, const auto& value) {
+        if (field.kind != Field::state) add(value);
     }
     constexpr void add(const char* text) {
         for (; *text != 0; ++text) hash_.add(static_cast<std::uint32_t>(static_cast<unsigned char>(*text)));
@@ -380,56 +400,6 @@ public:
 private:
     Hash hash_{};
 };
-
-// Where a value differs from `otherwise`, that of a scene without any.
-constexpr void add_resistance(Digest& digest, const auto& spec, Real otherwise) {
-    if (spec.rolling_resistance == otherwise && spec.spinning_resistance == otherwise) return;
-    digest.add(spec.rolling_resistance);
-    digest.add(spec.spinning_resistance);
-}
-constexpr void add_to(Digest& digest, const WorldSpec& world) {
-    const ContactSpec& c = world.contact;
-    for (const Real& value :
-         {world.gravitation, world.linear_drag, world.angular_drag, c.restitution, c.restitution_threshold, c.friction,
-          c.tolerance, c.stiffness, c.damping, c.barrier, c.sleep.speed, c.sleep.angular_speed, c.sleep.time})
-        digest.add(value);
-    add_resistance(digest, c, Real{0});
-    if (!c.mixes_as_usual()) {
-        digest.add(static_cast<int>(c.restitution_mixing));
-        digest.add(static_cast<int>(c.friction_mixing));
-    }
-    if (c.has_bounds()) {
-        digest.add(c.most_impacts);
-        digest.add(c.most_searches);
-        if (c.most_sweeps > 0) digest.add(c.most_sweeps);
-    }
-    if (c.exact_bodies != ContactSpec::few) digest.add(c.exact_bodies);
-    digest.add(static_cast<int>(c.response));
-    digest.add(static_cast<int>(c.sleep.on));
-}
-// The constants of a body, not its state.
-constexpr void add_to(Digest& digest, const BodySpec& body) {
-    const InertiaTensor& i = body.inertia;
-    digest.add(static_cast<int>(body.shape.kind));
-    digest.add(body.shape.size);
-    for (const Real& value : {body.mass, i.xx, i.yy, i.zz, i.xy, i.xz, i.yz, body.restitution, body.friction})
-        digest.add(value);
-    add_resistance(digest, body, Real{-1});
-    digest.add(static_cast<int>(body.fixed) + 2 * static_cast<int>(body.kinematic));
-    if (body.layers != BodySpec::all_layers) digest.add(static_cast<int>(body.layers));
-}
-constexpr void add_to(Digest& digest, const PlaneSpec& plane) {
-    digest.add(plane.normal);
-    for (const Real& value : {plane.offset, plane.restitution, plane.friction}) digest.add(value);
-    add_resistance(digest, plane, Real{-1});
-}
-inline void add_to(Digest& digest, const SpringSpec& spring) {
-    digest.add(static_cast<int>(spring.body));
-    digest.add(static_cast<int>(spring.to_body));
-    digest.add(spring.point);
-    digest.add(spring.to);
-    for (const Real& value : {spring.stiffness, spring.damping, spring.rest_length}) digest.add(value);
-}
 
 // Of the formats of a number system.
 template <class N>

@@ -16,7 +16,35 @@ struct JointLimits {
 
     // True of a range.
     [[nodiscard]] constexpr bool acts() const { return !least.is_zero() || !most.is_zero(); }
+
+    static constexpr void each(auto&& f, auto&... of) {  // see Field
+        f(Field{"least", "rad or m"}, of.least...);
+        f(Field{"most", "rad or m"}, of.most...);
+    }
 };
+
+namespace detail {
+
+// The fields of joints of all kinds, of which each kind has some, in this order.
+constexpr void each_field_of_joint(auto&& f, auto& one, auto&... more) {
+    f(Field{"body", "", Field::body}, one.body, more.body...);
+    f(Field{"to_body", "", Field::body}, one.to_body, more.to_body...);
+    if constexpr (requires { one.anchor; }) f(Field{"anchor", "m"}, one.anchor, more.anchor...);
+    if constexpr (requires { one.point; }) f(Field{"point", "m"}, one.point, more.point...);
+    if constexpr (requires { one.to_point; }) f(Field{"to_point", "m"}, one.to_point, more.to_point...);
+    if constexpr (requires { one.axis; }) f(Field{"axis"}, one.axis, more.axis...);
+    if constexpr (requires { one.to_axis; }) f(Field{"to_axis"}, one.to_axis, more.to_axis...);
+    if constexpr (requires { one.least; }) f(Field{"least", "m", Field::not_negative}, one.least, more.least...);
+    if constexpr (requires { one.most; }) f(Field{"most", "m", Field::positive}, one.most, more.most...);
+    if constexpr (requires { one.spring; }) f(Field{"spring"}, one.spring, more.spring...);
+    if constexpr (requires { one.to_spring; }) f(Field{"to_spring"}, one.to_spring, more.to_spring...);
+    if constexpr (requires { one.limits; }) f(Field{"limits"}, one.limits, more.limits...);
+    f(Field{"break_force", "N", Field::positive}, one.break_force, more.break_force...);
+    if constexpr (requires { one.break_torque; })
+        f(Field{"break_torque", "N m", Field::positive}, one.break_torque, more.break_torque...);
+}
+
+}  // namespace detail
 
 // A rotation about one axis: a door, an elbow, a wheel on its axle.
 struct HingeSpec {
@@ -28,6 +56,8 @@ struct HingeSpec {
     JointLimits limits{};    // of the angle
     Real break_force = 0;    // N; a larger force breaks it; 0: none does; needs Features::joint_breaks
     Real break_torque = 0;   // N m; likewise
+
+    static constexpr void each(auto&& f, auto&... of) { detail::each_field_of_joint(f, of...); }  // see Field
 };
 // All rotations about a point: a shoulder, a link of a chain.
 struct BallSpec {
@@ -37,6 +67,8 @@ struct BallSpec {
     JointSpring spring{};    // against the whole turn; it rests where the joint is added
     Real break_force = 0;    // N; a larger force breaks it; 0: none does; needs Features::joint_breaks
     Real break_torque = 0;   // N m; likewise
+
+    static constexpr void each(auto&& f, auto&... of) { detail::each_field_of_joint(f, of...); }  // see Field
 };
 // No motion: two bodies become one, and the force between them can be read.
 struct FixedSpec {
@@ -45,6 +77,8 @@ struct FixedSpec {
     RealVec3 anchor{};       // m, world; force and torque are those at this point
     Real break_force = 0;    // N; a larger force breaks it; 0: none does; needs Features::joint_breaks
     Real break_torque = 0;   // N m; likewise
+
+    static constexpr void each(auto&& f, auto&... of) { detail::each_field_of_joint(f, of...); }  // see Field
 };
 // A translation along one axis, without rotation: a piston, a drawer, a telescopic leg.
 struct SliderSpec {
@@ -56,6 +90,8 @@ struct SliderSpec {
     JointLimits limits{};    // of the travel
     Real break_force = 0;    // N; a larger force breaks it; 0: none does; needs Features::joint_breaks
     Real break_torque = 0;   // N m; likewise
+
+    static constexpr void each(auto&& f, auto&... of) { detail::each_field_of_joint(f, of...); }  // see Field
 };
 // Rotations about two axes that stay perpendicular, one of each body: a cardan joint.
 struct UniversalSpec {
@@ -68,6 +104,8 @@ struct UniversalSpec {
     JointSpring to_spring{};    // about `to_axis`
     Real break_force = 0;       // N; a larger force breaks it; 0: none does; needs Features::joint_breaks
     Real break_torque = 0;      // N m; likewise
+
+    static constexpr void each(auto&& f, auto&... of) { detail::each_field_of_joint(f, of...); }  // see Field
 };
 // A distance of two points within a range. A rod has least == most, a rope has least == 0: it pulls where it is taut,
 // and does nothing while it is slack. Going taut ends the rate of the distance, as an impact without restitution does.
@@ -81,6 +119,8 @@ struct DistanceSpec {
     Real most = 0;           // m, positive; the points are in the range when the joint is added, to 2^-20 of it
     JointSpring spring{};    // along the line between the points
     Real break_force = 0;    // N; a larger force breaks it; 0: none does; needs Features::joint_breaks
+
+    static constexpr void each(auto&& f, auto&... of) { detail::each_field_of_joint(f, of...); }  // see Field
 };
 
 // Why a joint cannot be added: World::fault_of(). With the last two add() returns the id of nothing. The others are

@@ -12,6 +12,12 @@ struct DragSpec {
     BodyIndex body = 0;  // its id, or its number in the order of add()
     Real linear = 0;     // kg/s
     Real quadratic = 0;  // kg/m
+
+    static constexpr void each(auto&& f, auto&... of) {  // see Field
+        f(Field{"body", "", Field::body}, of.body...);
+        f(Field{"linear", "kg/s", Field::not_negative}, of.linear...);
+        f(Field{"quadratic", "kg/m", Field::not_negative}, of.quadratic...);
+    }
 };
 
 // Drag of each body of a world with so many bodies, at the centre of mass.

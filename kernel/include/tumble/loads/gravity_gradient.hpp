@@ -11,6 +11,11 @@ namespace tumble {
 struct OrbitSpec {
     Real rate = 0;         // angular velocity of the orbit, rad/s
     RealVec3 to_centre{};  // the direction to the centre, world, of any length but zero
+
+    static constexpr void each(auto&& f, auto&... of) {  // see Field
+        f(Field{"rate", "rad/s", Field::positive}, of.rate...);
+        f(Field{"to_centre"}, of.to_centre...);
+    }
 };
 
 // The torque on each body of a world with so many bodies. The same centre for all.

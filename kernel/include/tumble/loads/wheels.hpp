@@ -12,6 +12,11 @@ namespace tumble {
 struct WheelsSpec {
     BodyIndex body = 0;   // its id, or its number in the order of add()
     RealVec3 momentum{};  // N m s, user's body axes, relative to the body
+
+    static constexpr void each(auto&& f, auto&... of) {  // see Field
+        f(Field{"body", "", Field::body}, of.body...);
+        f(Field{"momentum", "N m s"}, of.momentum...);
+    }
 };
 
 // The stored angular momentum of each body of a world with so many bodies.

@@ -120,7 +120,7 @@ protected:
     }
     // Notes what is constant, for snapshots.
     constexpr void note([[maybe_unused]] const auto& spec) {
-        if constexpr (features.snapshots) tumble::detail::add_to(digest_, spec);
+        if constexpr (features.snapshots) digest_.add(spec);
     }
     // The motion or the pose of a body is another.
     void has_changed(int b) {
