@@ -116,7 +116,7 @@ std::string json_of_joint(const JointDescription& description, const JointSnapsh
         return separator + json_text(key) + ": " + (value ? json_number(*value) : "null");
     };
     return "\"name\": " + json_text(description.name) + separator +
-           "\"kind\": " + json_text(word_of(joint_kinds, description.kind)) + number("angle_rad", joint.angle) +
+           "\"kind\": " + json_text(word_of(description.kind)) + number("angle_rad", joint.angle) +
            number("speed_rad_s", joint.speed) + number("to_angle_rad", joint.to_angle) +
            number("to_speed_rad_s", joint.to_speed) + number("travel_m", joint.travel) +
            number("speed_m_s", joint.travel_speed) + separator + "\"force_n\": " + json_array(joint.force) + separator +

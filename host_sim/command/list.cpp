@@ -51,7 +51,8 @@ int list() {
               << " planes, " << max_springs << " springs, " << max_joints << " joints, " << max_near_pairs
               << " pairs near at one time\n";
     std::cout << "\njoints                kinds of [[joint]]\n                      ";
-    for (std::size_t i = 0; i < joint_kinds.size(); ++i) std::cout << (i > 0 ? ", " : "") << joint_kinds[i].first;
+    for (const auto& [word, kind] : words<JointKind>)
+        std::cout << (word == words<JointKind>.front().first ? "" : ", ") << word;
     std::cout << "\n\ncores                 machine of the emulator, and compiler flags\n";
     for (const Core& core : cores())
         std::cout << "  " << std::setw(20) << core.name << std::setw(24) << core.machine << core.flags << "\n";

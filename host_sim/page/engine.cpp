@@ -36,21 +36,9 @@ std::string json_list(const Items& items, const ToText& to_text) {
     return "[" + list + "]";
 }
 
-const char* name_of(ShapeKind kind) {
-    switch (kind) {
-    case ShapeKind::box: return "box";
-    case ShapeKind::sphere: return "sphere";
-    case ShapeKind::cylinder: return "cylinder";
-    case ShapeKind::hoop: return "hoop";
-    case ShapeKind::capsule: return "capsule";
-    case ShapeKind::points: return "points";
-    default: return "none";
-    }
-}
-
 std::string json_of(const BodyDescription& body) {
     const auto index = static_cast<std::size_t>(&body - session->scene().bodies.data());
-    return "{\"name\": " + json_text(body.name) + ", \"shape\": " + json_text(name_of(body.shape.kind)) +
+    return "{\"name\": " + json_text(body.name) + ", \"shape\": " + json_text(word_of(body.shape.kind)) +
            ", \"size\": " + json_array(body.shape.size) +
            ", \"points\": " + json_list(body.shape.points, [](const auto& p) { return json_array(p.position); }) +
            ", \"mass\": " + json_number(static_cast<double>(data.bodies[index].mass)) +

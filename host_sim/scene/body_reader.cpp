@@ -11,9 +11,6 @@
 namespace tumble::host {
 namespace {
 
-constexpr Quantity metres_per_second{Quantity::any, "m/s", "x, y, z"};
-constexpr Quantity radians_per_second{Quantity::any, "rad/s", "x, y, z"};
-
 constexpr double longest_reach = 1e8;  // m, of a shape from its centre: the longest length of contacts in fixed point
 
 constexpr double moment_tolerance = 1e-12;  // relative: rounding of moments computed from a tensor or from points
@@ -29,16 +26,15 @@ Triple moments_of(const InertiaTensor& tensor) {
 
 // One row per shape: how many sizes it has.
 struct ShapeRow {
-    const char* key;
     ShapeKind kind;
     std::size_t sizes;
     const char* parts;
 };
 
 constexpr ShapeRow shape_rows[] = {
-    {"box", ShapeKind::box, 3, "x edge, y edge, z edge"},   {"sphere", ShapeKind::sphere, 1, "radius"},
-    {"cylinder", ShapeKind::cylinder, 2, "radius, height"}, {"hoop", ShapeKind::hoop, 1, "radius"},
-    {"capsule", ShapeKind::capsule, 2, "radius, length"},   {"points", ShapeKind::points, 0, ""},
+    {ShapeKind::box, 3, "x edge, y edge, z edge"}, {ShapeKind::sphere, 1, "radius"},
+    {ShapeKind::cylinder, 2, "radius, height"},    {ShapeKind::hoop, 1, "radius"},
+    {ShapeKind::capsule, 2, "radius, length"},     {ShapeKind::points, 0, ""},
 };
 
 ShapeDescription read_shape(const Value& value, const std::string& key) {
@@ -52,7 +48,7 @@ ShapeDescription read_shape(const Value& value, const std::string& key) {
     Table table(value.place(), *value.node().as_table());
     int found = 0;
     for (const ShapeRow& row : shape_rows) {
-        const auto entry = table.find(row.key);
+        const auto entry = table.find(word_of(row.kind));
         if (!entry) continue;
         ++found;
         shape.kind = row.kind;
@@ -163,21 +159,11 @@ BodyDescription read_body(Table table, const SceneDescription& scene, RangeDescr
         std::copy(numbers.begin(), numbers.end(), body.inertia->begin());
         body.inertia_is_diagonal = numbers[3] == 0.0 && numbers[4] == 0.0 && numbers[5] == 0.0;
     }
-    table.optional("position", body.position, metres);
-    table.optional("velocity", body.velocity, metres_per_second);
-    const bool turned = table.optional("orientation", body.orientation, Quantity{Quantity::any, "", "w, x, y, z"});
-    table.optional("angular_velocity", body.angular_velocity, radians_per_second);
-    table.optional("restitution", body.restitution, restitution);
-    table.optional("friction", body.friction, friction);
-    table.optional("rolling_resistance", body.rolling_resistance, moment_per_force);
-    table.optional("spinning_resistance", body.spinning_resistance, moment_per_force);
+    read_fields<BodySpec>(table, body);
+    const bool turned = table.has("orientation");
     table.optional("linear_drag", body.linear_drag, Quantity{Quantity::not_negative, "kg/s"});
     table.optional("quadratic_drag", body.quadratic_drag, Quantity{Quantity::not_negative, "kg/m"});
     table.optional("wheel_momentum", body.wheel_momentum, Quantity{Quantity::any, "N m s", "x, y, z"});
-    table.optional("fixed", body.fixed);
-    table.optional("kinematic", body.kinematic);
-    if (const auto layers = table.find("layers"))
-        body.layers = static_cast<int>(layers->whole(0, BodySpec::all_layers));
     body.fixed = body.fixed || body.kinematic;
     table.finish();
 

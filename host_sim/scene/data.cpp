@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <string_view>
 
+#include "scene/fields.hpp"
 #include "tools/raise.hpp"
 
 namespace tumble::host {
 namespace {
-
-RealVec3 real_vector(const Triple& v) { return {v[0], v[1], v[2]}; }
-Real or_default(const std::optional<double>& value) { return value ? Real{*value} : Real{-1}; }
 
 // The nearest double: what a header can say.
 Real rounded(Real value) { return value.to_double(); }
@@ -21,27 +19,16 @@ InertiaTensor rounded(const InertiaTensor& i) {
 
 // The centre of mass is at `position` whatever the shape, a cloud of points included.
 BodySpec body_of(const BodyDescription& body) {
-    BodySpec spec;
-    spec.shape = shape_of(body.shape);
+    auto spec = spec_of<BodySpec>(body);
     if (body.shape.kind == ShapeKind::points) {
         const PointCloud cloud = cloud_of(body.shape.points);
         spec.mass = rounded(cloud.mass);
-        spec.inertia = rounded(cloud.inertia);
+        if (!body.inertia) spec.inertia = rounded(cloud.inertia);
     } else {
-        spec.mass = body.mass ? Real{*body.mass} : rounded(Real{body.density.value()} * volume_of(spec.shape));
-        spec.inertia = inertia_of(spec.shape, spec.mass);
+        if (!body.mass) spec.mass = rounded(Real{body.density.value()} * volume_of(spec.shape));
+        if (!body.inertia) spec.inertia = inertia_of(spec.shape, spec.mass);
     }
-    if (body.inertia) spec.inertia = tensor_of(*body.inertia);
-    spec.position = real_vector(body.position);
-    spec.velocity = real_vector(body.velocity);
-    spec.orientation = {body.orientation[0], {body.orientation[1], body.orientation[2], body.orientation[3]}};
-    spec.angular_velocity = real_vector(body.angular_velocity);
-    spec.restitution = or_default(body.restitution);
-    spec.friction = or_default(body.friction);
-    spec.rolling_resistance = or_default(body.rolling_resistance);
-    spec.spinning_resistance = or_default(body.spinning_resistance);
     spec.fixed = body.fixed && !body.kinematic;
-    spec.kinematic = body.kinematic;
     return spec;
 }
 
@@ -62,12 +49,6 @@ void check(const SceneDescription& scene) {
     fits("joint", scene.joints.size(), max_joints);
 }
 
-// Contacts by springs have no sleep.
-SleepSpec sleep_of(const ContactDescription& contact) {
-    if (!contact.sleep || contact.response != ContactResponse::impulse) return {};
-    return {true, contact.sleep->speed, contact.sleep->angular_speed, contact.sleep->time};
-}
-
 AnyJointSpec spec_of_kind(JointKind kind) {
     switch (kind) {
     case JointKind::ball: return BallSpec{};
@@ -78,8 +59,6 @@ AnyJointSpec spec_of_kind(JointKind kind) {
     default: return HingeSpec{};
     }
 }
-
-JointSpring spring_of(const JointSpringDescription& spring) { return {spring.stiffness, spring.damping, spring.rest}; }
 
 // True if two bodies, of which at least one moves, may touch.
 bool any_pair_meets(const std::vector<BodySpec>& bodies) {
@@ -95,14 +74,14 @@ bool any_pair_meets(const std::vector<BodySpec>& bodies) {
 
 // Air and wheels. A fixed body feels neither.
 void add_loads_of_bodies(const SceneDescription& scene, SceneData& data) {
-    data.wind = real_vector(scene.wind);
+    data.wind = in_kernel(scene.wind);
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const BodyDescription& body = scene.bodies[i];
         const int index = static_cast<int>(i);
         if (body.fixed) continue;
         if (body.linear_drag > 0 || body.quadratic_drag > 0)
             data.drags.push_back({index, body.linear_drag, body.quadratic_drag});
-        if (body.wheel_momentum != Triple{}) data.wheels.push_back({index, real_vector(body.wheel_momentum)});
+        if (body.wheel_momentum != Triple{}) data.wheels.push_back({index, in_kernel(body.wheel_momentum)});
     }
 }
 
@@ -110,7 +89,7 @@ void add_loads_of_bodies(const SceneDescription& scene, SceneData& data) {
 void add_pushes(const SceneDescription& scene, std::vector<EventSpec>& events) {
     const auto add = [&](double time, EventKind kind, const auto& push, const Triple& value, const Triple& point) {
         if (value != Triple{})
-            events.push_back({time, kind, push.body, push.frame, real_vector(value), real_vector(point)});
+            events.push_back({time, kind, push.body, push.frame, in_kernel(value), in_kernel(point)});
     };
     for (const ImpulseDescription& i : scene.impulses) {
         add(i.time, EventKind::impulse, i, i.impulse, i.point);
@@ -136,51 +115,45 @@ SceneData with_events_in_order(SceneData scene) {
     return scene;
 }
 
+ContactSpec in_kernel(const ContactDescription& description) {
+    const auto spec = spec_of<ContactSpec>(description);
+    const ContactSpec usual{.response = spec.response};
+    ContactSpec own = spec.response == ContactResponse::impulse ? spec : usual;
+    if (spec.response != ContactResponse::none) own.tolerance = spec.tolerance;
+    const ContactSpec& springs = spec.response == ContactResponse::spring ? spec : usual;
+    own.stiffness = springs.stiffness;
+    own.damping = springs.damping;
+    own.barrier = springs.barrier;
+    return own;
+}
+
 AnyJointSpec joint_of(const JointDescription& joint) {
+    struct Named : JointDescription {  // as the kernel names them
+        Triple point = anchor;
+        JointLimits limits{least, most};
+    };
     AnyJointSpec made = spec_of_kind(joint.kind);
-    made.visit([&](auto& spec) {
-        spec.body = joint.body;
-        spec.to_body = joint.to_body;
-        if constexpr (requires { spec.anchor; }) spec.anchor = real_vector(joint.anchor);
-        if constexpr (requires { spec.axis; }) spec.axis = real_vector(joint.axis);
-        if constexpr (requires { spec.to_axis; }) spec.to_axis = real_vector(joint.to_axis);
-        if constexpr (requires { spec.limits; }) spec.limits = {joint.least, joint.most};
-        if constexpr (requires { spec.to_point; }) {
-            spec.point = real_vector(joint.anchor);
-            spec.to_point = real_vector(joint.to_point);
-            spec.least = joint.least;
-            spec.most = joint.most;
-        }
-        if constexpr (requires { spec.spring; }) spec.spring = spring_of(joint.spring);
-        if constexpr (requires { spec.to_spring; }) spec.to_spring = spring_of(joint.to_spring);
-        spec.break_force = joint.break_force;
-        if constexpr (requires { spec.break_torque; }) spec.break_torque = joint.break_torque;
-    });
+    made.visit([&](auto& spec) { set_fields(spec, Named{joint}); });
     return made;
 }
 
 EventSpec event_of(const EventDescription& event) {
-    const Quadruple& q = event.orientation;
-    return {event.time,
-            event.kind,
-            has_joint(event.kind) ? event.joint : event.body,
-            event.frame,
-            real_vector(event.value),
-            real_vector(event.point),
-            {q[0], {q[1], q[2], q[3]}}};
+    auto spec = spec_of<EventSpec>(event);
+    if (has_joint(event.kind)) spec.body = event.joint;
+    return spec;
 }
 
 bool shapes_meet(ShapeKind a, ShapeKind b) { return meets(a, b); }
 
 Shape shape_of(const ShapeDescription& shape) {
-    return {shape.kind == ShapeKind::points ? ShapeKind::none : shape.kind, real_vector(shape.size)};
+    return {shape.kind == ShapeKind::points ? ShapeKind::none : shape.kind, in_kernel(shape.size)};
 }
 
 InertiaTensor tensor_of(const std::array<double, 6>& i) { return {i[0], i[1], i[2], i[3], i[4], i[5]}; }
 
 PointCloud cloud_of(const std::vector<PointDescription>& points) {
     std::vector<PointMass> masses;
-    for (const PointDescription& point : points) masses.push_back({real_vector(point.position), point.mass});
+    for (const PointDescription& point : points) masses.push_back({in_kernel(point.position), point.mass});
     return point_cloud(masses.data(), static_cast<int>(masses.size()));
 }
 
@@ -190,30 +163,8 @@ SceneData build_scene(const SceneDescription& scene) {
     data.name = scene.name;
     data.step = step_of(scene.step);
     data.steps = static_cast<std::uint32_t>(scene.steps());
-    data.world.gravity = real_vector(scene.gravity);
-    data.world.gravitation = scene.gravitation;
+    data.world = spec_of<WorldSpec>(scene);
     data.softening = scene.softening;
-    data.world.linear_drag = scene.linear_drag;
-    data.world.angular_drag = scene.angular_drag;
-    const ContactDescription& contact = scene.contact;
-    const bool by_impulses = contact.response == ContactResponse::impulse;
-    data.world.contact = {.response = contact.response,
-                          .restitution = contact.restitution,
-                          .restitution_threshold = contact.restitution_threshold,
-                          .friction = contact.friction,
-                          .rolling_resistance = contact.rolling_resistance,
-                          .spinning_resistance = contact.spinning_resistance,
-                          .restitution_mixing = contact.restitution_mixing,
-                          .friction_mixing = contact.friction_mixing,
-                          .tolerance = contact.tolerance,
-                          .stiffness = contact.stiffness,
-                          .damping = contact.damping,
-                          .barrier = contact.barrier,
-                          .sleep = sleep_of(contact),
-                          .most_impacts = by_impulses ? contact.most_impacts : 0,
-                          .most_searches = by_impulses ? contact.most_searches : 0,
-                          .most_sweeps = by_impulses ? contact.most_sweeps : 0,
-                          .exact_bodies = by_impulses ? contact.exact_bodies : ContactSpec::few};
     for (const BodyDescription& body : scene.bodies) {
         data.bodies.push_back(body_of(body));
         data.bodies.back().layers =
@@ -221,19 +172,14 @@ SceneData build_scene(const SceneDescription& scene) {
     }
     add_loads_of_bodies(scene, data);
     if (const auto& gradient = scene.gravity_gradient)
-        data.orbit = {gradient->orbit_rate, real_vector(gradient->to_centre)};
+        data.orbit = {gradient->orbit_rate, in_kernel(gradient->to_centre)};
     const bool any_in_a_layer =
         std::any_of(data.bodies.begin(), data.bodies.end(), [](const BodySpec& body) { return body.layers != 0; });
     for (const PlaneDescription& plane : scene.planes) {
-        if (contact.response != ContactResponse::none && (any_in_a_layer || data.bodies.empty()))
-            data.planes.push_back({real_vector(plane.normal), plane.offset, or_default(plane.restitution),
-                                   or_default(plane.friction), or_default(plane.rolling_resistance),
-                                   or_default(plane.spinning_resistance)});
+        if (scene.contact.response != ContactResponse::none && (any_in_a_layer || data.bodies.empty()))
+            data.planes.push_back(spec_of<PlaneSpec>(plane));
     }
-    for (const SpringDescription& s : scene.springs) {
-        data.springs.push_back(
-            {s.body, real_vector(s.point), s.to_body, real_vector(s.to), s.stiffness, s.damping, s.rest_length});
-    }
+    for (const SpringDescription& spring : scene.springs) data.springs.push_back(spec_of<SpringSpec>(spring));
     for (const JointDescription& joint : scene.joints) data.joints.push_back(joint_of(joint));
     for (const EventDescription& event : scene.events) data.events.push_back(event_of(event));
     add_pushes(scene, data.events);

@@ -51,9 +51,9 @@ constexpr std::pair<std::string_view, const char*> other_kinds[] = {
 };
 
 JointKind read_kind(const Value& value) {
-    const std::vector<std::string> names = keys_of(joint_kinds);
+    const std::vector<std::string> names = keys_of(words<JointKind>);
     const std::string& text = value.text(listed(names));
-    for (const auto& [word, kind] : joint_kinds)
+    for (const auto& [word, kind] : words<JointKind>)
         if (word == text) return kind;
     const auto* const other = std::find_if(std::begin(other_kinds), std::end(other_kinds),
                                            [&](const auto& pair) { return pair.first == text; });
@@ -312,8 +312,7 @@ void refuse_what_the_kind_has_not(Table& table, JointKind kind) {
     const KindRow& row = row_of(kind);
     const bool is_distance = kind == JointKind::distance;
     const auto refuse = [&](const char* key, bool is_there, const std::string& wanted) {
-        if (table.has(key) && !is_there)
-            table.at(key).fail("given for a " + word_of(joint_kinds, kind) + " joint", wanted);
+        if (table.has(key) && !is_there) table.at(key).fail("given for a " + word_of(kind) + " joint", wanted);
     };
     refuse("anchor", !is_distance, "point and to_point, its two ends");
     refuse("axis", *row.axis != 0, std::string("no axis: ") + row.no_axis);
@@ -336,7 +335,7 @@ JointDescription read_joint(Table table, const SceneDescription& scene, RangeDes
     if (const auto kind = table.find("kind")) {
         joint.kind = read_kind(*kind);
         refuse_what_the_kind_has_not(table, joint.kind);
-    } else table.missing("kind", listed(keys_of(joint_kinds)));
+    } else table.missing("kind", listed(keys_of(words<JointKind>)));
     // From here on keys that the kind has not are not there, or the kind is not.
     const KindRow& row = row_of(joint.kind);
     const bool is_universal = joint.kind == JointKind::universal, is_distance = joint.kind == JointKind::distance;

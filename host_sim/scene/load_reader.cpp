@@ -61,13 +61,11 @@ SpringDescription read_spring(Table table, const SceneDescription& scene, RangeD
     std::string body, to_body;
     Triple to_point{};
     table.required("body", body);
-    table.optional("point", spring.point, metres);
-    const bool to_world = table.optional("to", spring.to, metres);
+    table.required("stiffness", spring.stiffness, stiffness);
+    read_fields<SpringSpec>(table, spring);
+    const bool to_world = table.has("to");
     const bool to_other = table.optional("to_body", to_body);
     const bool has_to_point = table.optional("to_point", to_point, metres);
-    table.required("stiffness", spring.stiffness, stiffness);
-    table.optional("damping", spring.damping, damping);
-    table.optional("rest_length", spring.rest_length, Quantity{Quantity::not_negative, "m"});
     table.finish();
 
     check_range(table, "point", spring.point, "position", range);

@@ -33,11 +33,7 @@ PlaneDescription read_plane(Table table, RangeDescription& range) {
     PlaneDescription plane;
     table.required("name", plane.name);
     table.required("normal", plane.normal, Quantity{Quantity::any, "", "x, y, z"});
-    table.optional("offset", plane.offset, Quantity{Quantity::any, "m"});
-    table.optional("restitution", plane.restitution, restitution);
-    table.optional("friction", plane.friction, friction);
-    table.optional("rolling_resistance", plane.rolling_resistance, moment_per_force);
-    table.optional("spinning_resistance", plane.spinning_resistance, moment_per_force);
+    read_fields<PlaneSpec>(table, plane);
     table.finish();
     check_not_zero(table.at("normal"), plane.normal.data(), 3, "a vector [x, y, z] that is not zero");
     if (table.has("offset"))
@@ -47,13 +43,10 @@ PlaneDescription read_plane(Table table, RangeDescription& range) {
 }
 
 void read_world(Table table, SceneDescription& scene) {
-    table.optional("gravity", scene.gravity, Quantity{Quantity::any, "m/s^2", "x, y, z"});
+    read_fields<WorldSpec>(table, scene);
     table.required("step", scene.step, Quantity{Quantity::positive, "s"});
     table.required("duration", scene.duration, seconds);
-    table.optional("gravitation", scene.gravitation, Quantity{Quantity::not_negative, "m^3/(kg s^2)"});
     table.optional("softening", scene.softening, Quantity{Quantity::not_negative, "m"});
-    table.optional("linear_drag", scene.linear_drag, Quantity{Quantity::not_negative, "kg/s"});
-    table.optional("angular_drag", scene.angular_drag, Quantity{Quantity::not_negative, "N m s"});
     table.optional("wind", scene.wind, Quantity{Quantity::any, "m/s", "x, y, z"});
     table.finish();
     if (scene.softening > 0.0 && !(scene.gravitation > 0.0))
@@ -102,28 +95,8 @@ void read_range(Table table, RangeDescription& range) {
     table.finish();
 }
 
-void read_bound(Table& table, const char* key, auto& bound) {
-    constexpr int most = 1000;
-    if (const auto value = table.find(key)) bound = static_cast<int>(value->whole(0, most));
-}
-
 void read_contact(Table table, ContactDescription& contact) {
-    table.optional("response", contact.response, responses);
-    table.optional("restitution", contact.restitution, restitution);
-    table.optional("restitution_threshold", contact.restitution_threshold, Quantity{Quantity::not_negative, "m/s"});
-    table.optional("friction", contact.friction, friction);
-    table.optional("rolling_resistance", contact.rolling_resistance, moment_per_force);
-    table.optional("spinning_resistance", contact.spinning_resistance, moment_per_force);
-    table.optional("restitution_mixing", contact.restitution_mixing, mixings);
-    table.optional("friction_mixing", contact.friction_mixing, mixings);
-    table.optional("tolerance", contact.tolerance, Quantity{Quantity::positive, "m"});
-    table.optional("stiffness", contact.stiffness, stiffness);
-    table.optional("damping", contact.damping, damping);
-    table.optional("barrier", contact.barrier, Quantity{Quantity::not_negative, "N m^2"});
-    read_bound(table, "most_impacts", contact.most_impacts);
-    read_bound(table, "most_searches", contact.most_searches);
-    read_bound(table, "most_sweeps", contact.most_sweeps);
-    read_bound(table, "exact_bodies", contact.exact_bodies);
+    read_fields<ContactSpec>(table, contact);
     if (const auto value = table.find("sleep")) {
         const auto* off = value->node().as_boolean();
         if (!value->node().is_table() && (off == nullptr || off->get()))

@@ -7,12 +7,33 @@
 namespace tumble::host {
 
 inline constexpr Quantity metres{Quantity::any, "m", "x, y, z"};
-inline constexpr Quantity restitution{Quantity::zero_to_one, ""};
-inline constexpr Quantity friction{Quantity::not_negative, ""};
-inline constexpr Quantity moment_per_force{Quantity::not_negative, "m"};
 inline constexpr Quantity stiffness{Quantity::not_negative, "N/m"};
-inline constexpr Quantity damping{Quantity::not_negative, "N s/m"};
 inline constexpr Quantity seconds{Quantity::not_negative, "s"};
+
+// A bound of a number of bodies or of rounds; and layers, a bit for each.
+inline void convert(const Value& value, int& out, const Quantity&) { out = static_cast<int>(value.whole(0, 1000)); }
+inline void convert(const Value& value, std::optional<int>& out, const Quantity&) {
+    out = static_cast<int>(value.whole(0, BodySpec::all_layers));
+}
+
+// Reads all keys of a table that are fields of a spec, with their units and bounds, into what has these fields. A body,
+// and what takes a table, has a reader of its own.
+template <class Spec>
+void read_fields(Table& table, auto& into) {
+    Spec::each(
+        [&]<class T>(Field field, T& value) {
+            const bool is_turn = std::is_same_v<T, Quadruple>, is_vector = std::is_same_v<T, Triple>;
+            const Quantity quantity{field.kind == Field::state ? Field::any : field.kind, field.unit,
+                                    is_turn     ? "w, x, y, z"
+                                    : is_vector ? "x, y, z"
+                                                : ""};
+            if (field.kind == Field::body) return;
+            if constexpr (std::is_enum_v<T>) table.optional(field.name, value, words<T>);
+            else if constexpr (requires(const Value& text) { convert(text, value, quantity); })
+                table.optional(field.name, value, quantity);
+        },
+        into);
+}
 
 // One table each, checked. Springs, joints, impulses, forces and events name bodies, which the scene has by then.
 [[nodiscard]] BodyDescription read_body(Table table, const SceneDescription& scene, RangeDescription& range);

@@ -150,9 +150,8 @@ bool Quantity::holds(double x) const {
     case positive: return x >= smallest;
     case not_negative: return x >= 0.0;
     case zero_to_one: return x >= 0.0 && x <= 1.0;
-    case any: break;
+    default: return true;
     }
-    return true;
 }
 
 std::string Quantity::expected(std::size_t count) const {

@@ -38,7 +38,8 @@ struct Quantity {
     // The largest number, and the smallest positive one. Products of several of them stay in the range of a double.
     static constexpr double largest = 1e40, smallest = 1e-40;
 
-    enum Bound { any, positive, not_negative, zero_to_one } bound;
+    using enum Field::Kind;
+    Field::Kind bound;
     const char* unit = "";
     const char* parts = "";
 

@@ -15,25 +15,37 @@ enum class JointKind { hinge, ball, fixed, slider, universal, distance };
 template <class T>
 using Words = std::vector<std::pair<std::string, T>>;
 
+// The words for the values of a type. With underscores, they are the kernel's names.
+template <class T>
+inline const Words<T> words{};
+template <>
+inline const Words<ContactResponse> words<ContactResponse>{
+    {"impulse", ContactResponse::impulse}, {"spring", ContactResponse::spring}, {"none", ContactResponse::none}};
+template <>
+inline const Words<Frame> words<Frame>{{"world", Frame::world}, {"body", Frame::body}};
+template <>
+inline const Words<Mixing> words<Mixing>{{"larger", Mixing::larger},
+                                         {"smaller", Mixing::smaller},
+                                         {"mean", Mixing::mean},
+                                         {"geometric mean", Mixing::geometric_mean},
+                                         {"product", Mixing::product}};
+template <>
+inline const Words<JointKind> words<JointKind>{{"ball", JointKind::ball},           {"hinge", JointKind::hinge},
+                                               {"slider", JointKind::slider},       {"fixed", JointKind::fixed},
+                                               {"universal", JointKind::universal}, {"distance", JointKind::distance}};
+template <>
+inline const Words<ShapeKind> words<ShapeKind>{{"box", ShapeKind::box},           {"sphere", ShapeKind::sphere},
+                                               {"cylinder", ShapeKind::cylinder}, {"hoop", ShapeKind::hoop},
+                                               {"capsule", ShapeKind::capsule},   {"points", ShapeKind::points},
+                                               {"none", ShapeKind::none}};
+
 // The word for a value that has one.
 template <class T>
-[[nodiscard]] const std::string& word_of(const Words<T>& words, const T& value) {
+[[nodiscard]] const std::string& word_of(const T& value) {
     std::size_t i = 0;
-    while (words[i].second != value) ++i;
-    return words[i].first;
+    while (words<T>[i].second != value) ++i;
+    return words<T>[i].first;
 }
-
-// With underscores, the words are the names of the kernel.
-inline const Words<ContactResponse> responses{
-    {"impulse", ContactResponse::impulse}, {"spring", ContactResponse::spring}, {"none", ContactResponse::none}};
-inline const Words<Mixing> mixings{{"larger", Mixing::larger},
-                                   {"smaller", Mixing::smaller},
-                                   {"mean", Mixing::mean},
-                                   {"geometric mean", Mixing::geometric_mean},
-                                   {"product", Mixing::product}};
-inline const Words<JointKind> joint_kinds{{"ball", JointKind::ball},           {"hinge", JointKind::hinge},
-                                          {"slider", JointKind::slider},       {"fixed", JointKind::fixed},
-                                          {"universal", JointKind::universal}, {"distance", JointKind::distance}};
 
 // The key of where the spring of a joint rests; empty where that is the start.
 [[nodiscard]] inline const char* rest_key(JointKind kind) {

@@ -19,16 +19,11 @@ std::string acts_on_fixed(const BodyDescription& body) {
 
 // The name of a shape that touches no bodies, for a warning; empty for all others. A body without a shape is named as a
 // point mass, because a warning is given for no other.
-std::string_view passing_shape(ShapeKind shape) {
+std::string passing_shape(ShapeKind shape) {
     if (touches_bodies(shape)) return "";
-    switch (shape) {
-    case ShapeKind::cylinder: return "a cylinder";
-    case ShapeKind::hoop: return "a hoop";
-    case ShapeKind::capsule: return "a capsule";
-    case ShapeKind::points: return "a cloud of points";
-    case ShapeKind::none: return "a point mass";
-    default: return "";
-    }
+    return shape == ShapeKind::points ? "a cloud of points"
+           : shape == ShapeKind::none ? "a point mass"
+                                      : "a " + word_of(shape);
 }
 
 // The planes and bodies through which a body of such a shape may pass; empty: none. A body with moments and no shape is
@@ -203,7 +198,7 @@ std::vector<std::string> limitations(const SceneDescription& scene) {
     }
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
         const BodyDescription& body = scene.bodies[b];
-        const std::string shape(passing_shape(body.shape.kind)), passed = passed_by(body, scene);
+        const std::string shape = passing_shape(body.shape.kind), passed = passed_by(body, scene);
         if (scene.layers_of(static_cast<int>(b)) != 0 && !shape.empty() && !passed.empty())
             list.push_back("body \"" + body.name + "\": contacts of " + shape + " with " + passed +
                            " are not simulated, it passes through");

@@ -158,7 +158,8 @@ TEST(LoadsOfScenes, the_header_of_a_firmware_holds_the_loads_that_act_and_no_oth
         EXPECT_TRUE(has(air, part)) << part << "\n" << air;
     for (const char* part : {".wheels = true", "WheelsSpec, 1> wheels", ".momentum = {0.0, 0.0, 0.35}"})
         EXPECT_TRUE(has(wheels, part)) << part << "\n" << wheels;
-    for (const char* part : {".gravity_gradient = true", "OrbitSpec orbit{0.5, {0.0, -2.0, 0.0}}"})
+    for (const char* part :
+         {".gravity_gradient = true", "OrbitSpec orbit{\n        .rate = 0.5,", ".to_centre = {0.0, -2.0, 0.0}"})
         EXPECT_TRUE(has(gradient, part)) << part << "\n" << gradient;
     for (const char* part : {".softening = true", "Real softening{0.5}"})
         EXPECT_TRUE(has(soft, part)) << part << "\n" << soft;
