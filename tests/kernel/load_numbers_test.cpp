@@ -148,16 +148,16 @@ TEST(load_numbers, strong_loads_cancel_and_a_load_out_of_range_is_held_and_told)
     for (int i = 0; i < 3; ++i) {
         const Number expected = value(v, i) / 1024 + Number(fall.raw) * unit;
         // A unit of the sum is 2^8 of the kick's, and each of three loads is rounded.
-        EXPECT_LE(std::abs(Number(L::settled(sum[i], fall, within).raw) * unit - expected), 3 * 0x1p8L * unit) << i;
+        EXPECT_LE(std::abs(Number(L::clamped(sum[i], fall, within).raw) * unit - expected), 3 * 0x1p8L * unit) << i;
     }
     EXPECT_TRUE(within);
     L::add(sum, v, strong, scale);
-    EXPECT_EQ(L::settled(sum[0], fall, within).raw, std::int64_t{1} << 60);
+    EXPECT_EQ(L::clamped(sum[0], fall, within).raw, std::int64_t{1} << 60);
     EXPECT_FALSE(within);
     // However many there are, the sum does not wrap.
     for (int n = 0; n < 100; ++n) L::add(sum, v, L::factor(Scaled(1 << 20)), scale);
     within = true;
-    EXPECT_EQ(L::settled(sum[0], fall, within).raw, std::int64_t{1} << 60);
+    EXPECT_EQ(L::clamped(sum[0], fall, within).raw, std::int64_t{1} << 60);
     EXPECT_FALSE(within);
 }
 

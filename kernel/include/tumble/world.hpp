@@ -311,7 +311,7 @@ public:
     [[nodiscard]] JointReadout<T> joint(JointId id) const requires(features.has_joints()) {
         TUMBLE_ASSERT(contains(id));
         if constexpr (features.joint_breaks)
-            if (!advance_.joints.holds(id.index())) return {.broken = true};
+            if (!advance_.joints.acts(id.index())) return {.broken = true};
         return Base::joint_reader(id.index()).template read<T>();
     }
 
@@ -403,7 +403,7 @@ public:
         if constexpr (has_contacts) return contacts_.tolerance();
         else return Work(0);
     }
-    // True of a body that the last step moved in bounded time, with many others. A body that stood did not move.
+    // True of a body that the last step moved in bounded time, with many others. One at rest did not move.
     [[nodiscard]] bool stepped_bounded([[maybe_unused]] BodyId id) const {
         if constexpr (has_contacts) return contacts_.stepped_bounded(advance_.bodies, place_of(id));
         else return false;

@@ -167,7 +167,7 @@ public:
     [[gnu::noinline, gnu::cold]] void hold_spin_about_z(int b) requires has_z_room {
         if constexpr (Bodies::has_parts)
             if (bodies.parts.halvings[b] < bodies.scale.most_halvings) return;
-        N::hold(bodies.state[b].t_b.z, inertia_[b].z_room());
+        N::clamp(bodies.state[b].t_b.z, inertia_[b].z_room());
         bodies.report(Issue::range_left, b);
         spin_changed(b);
     }

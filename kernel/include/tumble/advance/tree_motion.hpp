@@ -124,7 +124,7 @@ public:
     void keep_joint_springs() {
         if constexpr (features.has_joint_springs())
             loads.joint_springs().keep([&](int j) { return joints.record(j).is_there; },
-                                       [&](int j) { return joints.holds(j); }, bodies);
+                                       [&](int j) { return joints.acts(j); }, bodies);
     }
 
 private:

@@ -181,7 +181,7 @@ private:
 }
 
 // What pushes a body: everything, or nothing. A kinematic body moves as its velocity says.
-enum class Held : std::uint8_t { loose, fixed, kinematic };
+enum class MotionType : std::uint8_t { dynamic, fixed, kinematic };
 
 // The constants of a body.
 template <class N, Spin spin, bool points>
@@ -189,12 +189,12 @@ struct BodyConstants {
     typename N::Unit axes[4]{};                        // w, x, y, z: principal axes to the user's body axes
     [[no_unique_address]] SpinUnits<N, spin> units{};  // units of the spin
     AxisOrder order{};                                 // `axes`, where they are an order of axes
-    Held held = Held::fixed;                           // a place without a body counts as fixed
+    MotionType motion = MotionType::fixed;             // so is a place without a body; kinematic ones move
     [[no_unique_address]] Stored<typename N::Work, 1> mass_units{};  // h / m
 
     // Nothing pushes it.
-    [[nodiscard]] TUMBLE_INLINE constexpr bool fixed() const { return held != Held::loose; }
-    [[nodiscard]] TUMBLE_INLINE constexpr bool kinematic() const { return held == Held::kinematic; }  // but it moves
+    [[nodiscard]] TUMBLE_INLINE constexpr bool fixed() const { return motion != MotionType::dynamic; }
+    [[nodiscard]] TUMBLE_INLINE constexpr bool kinematic() const { return motion == MotionType::kinematic; }
     // Change of drift, m, by 1 N s.
     [[nodiscard]] TUMBLE_INLINE constexpr typename N::Work drift_per_impulse() const { return mass_units[0]; }
     // The same, to compute with.
@@ -207,11 +207,11 @@ struct BodyConstants {
 template <class N>
 struct BodyConstants<N, Spin::none, false> {
     [[no_unique_address]] Stored<typename N::Work, 1> mass_units{};  // h / m
-    Held held = Held::fixed;                                         // a place without a body counts as fixed
+    MotionType motion = MotionType::fixed;  // so is a place without a body; kinematic ones move
 
     // Nothing pushes it.
-    [[nodiscard]] TUMBLE_INLINE constexpr bool fixed() const { return held != Held::loose; }
-    [[nodiscard]] TUMBLE_INLINE constexpr bool kinematic() const { return held == Held::kinematic; }  // but it moves
+    [[nodiscard]] TUMBLE_INLINE constexpr bool fixed() const { return motion != MotionType::dynamic; }
+    [[nodiscard]] TUMBLE_INLINE constexpr bool kinematic() const { return motion == MotionType::kinematic; }
     // Change of drift, m, by 1 N s.
     [[nodiscard]] TUMBLE_INLINE constexpr typename N::Work drift_per_impulse() const { return mass_units[0]; }
 };
@@ -285,7 +285,7 @@ public:
             assign(s.d_w[i],
                    spec.fixed && !spec.kinematic ? Real{} : scale.drift_units(spec.velocity[i] * step_length));
         }
-        body.held = spec.kinematic ? Held::kinematic : spec.fixed ? Held::fixed : Held::loose;
+        body.motion = spec.kinematic ? MotionType::kinematic : spec.fixed ? MotionType::fixed : MotionType::dynamic;
         if constexpr (!rotation) TUMBLE_ASSERT(is_point_mass(spec));
         if constexpr (points) body.is_point = is_point_mass(spec);
         if (!rotates(b)) TUMBLE_ASSERT(spec.orientation.v.is_zero() && spec.angular_velocity.is_zero());
@@ -460,7 +460,7 @@ public:
         else return is_drifting(b);
     }
     // True of a body without any velocity.
-    [[nodiscard]] bool stands_still(int b) const requires(rotation) {
+    [[nodiscard]] bool is_at_rest(int b) const requires(rotation) {
         const State& s = state[b];
         return s.d_w == decltype(s.d_w){} && s.t_b == decltype(s.t_b){};
     }
@@ -483,7 +483,7 @@ public:
     static void archive(Self& self, int b, Archive& to, [[maybe_unused]] Spin from) {
         auto& s = self.state[b];
         if constexpr (!Archive::reads && N::fixed_point)
-            if (to.holds()) to.require(is_in_range(self, b, to, from));
+            if (to.compares()) to.require(is_in_range(self, b, to, from));
         to(s.x_w, s.d_w);
         if constexpr (rotation) {
             if (!self.rotates(b)) return;

@@ -55,9 +55,9 @@ public:
         });
         return any;
     }
-    // Writes what contacts change in the step into `forces`. Returns Touch::nothing or Touch::rests. `stands`: nothing
-    // is computed unless the island stands.
-    Touch solve(const Kicks& loads, Kicks& forces, Solution& solution, Changes& changes, bool stands) {
+    // Writes what contacts change in the step into `forces`. Returns Touch::nothing or Touch::rests. `only_at_rest`:
+    // nothing is computed unless the island is at rest.
+    Touch solve(const Kicks& loads, Kicks& forces, Solution& solution, Changes& changes, bool only_at_rest) {
         solution = {};
         if constexpr (features.moving_surfaces()) velocities_.surfaces.carry = false;
         bool any = false;
@@ -65,7 +65,7 @@ public:
         if (!any) return Touch::nothing;
         // In parts of a step nothing is corrected.
         const bool whole = halvings_ == 0, lifts = whole && overlap();
-        if (stands && lifts) return Touch::nothing;
+        if (only_at_rest && lifts) return Touch::nothing;
         Work part(1);
         for (int i = 0; i < halvings_; ++i) part = N::half_of(part);
         if constexpr (features.kinematic) rows_.look_ahead(part);
@@ -73,11 +73,11 @@ public:
         const bool fast = set_targets(same);
         const bool found =
             whole && !fast &&
-            Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_, true}.solve(stands);
+            Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_, true}.solve(only_at_rest);
         if (found) {
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group, &loads);
-            solution.stands = !lifts && pairs_.are_balanced(island_) && velocities_.start_at_rest(island_.group);
-        } else if (stands) {
+            solution.at_rest = !lifts && pairs_.are_balanced(island_) && velocities_.start_at_rest(island_.group);
+        } else if (only_at_rest) {
             return Touch::nothing;
         } else {
             make_faces();
@@ -92,7 +92,7 @@ public:
         changes.glides = found && !closes_ && !changes.any_exceeds(island_.group);
         if (lifts) [[unlikely]]
             find_lifts(solution);
-        solution.settled = !solution.lifts;
+        solution.unchanged = !solution.lifts;
         return Touch::rests;
     }
 
@@ -136,7 +136,7 @@ private:
                 point.active = true;
                 const Speed approach = -rows_.velocity(velocities_.start, pair, point);
                 fast = fast || approach > Rows::along(point, slow + slow);
-                closes_ = closes_ || magnitude_of(approach) > Rows::along(point, Bounds::still(Bounds::fall(slow)));
+                closes_ = closes_ || magnitude_of(approach) > Rows::along(point, Bounds::slow(Bounds::fall(slow)));
                 point.row[0].target = least_speed(pair, point);
                 if (approach > Rows::along(point, larger_of(slow, least)) && pair.restitution > Unit{})
                     bounce(pair, point, approach);

@@ -27,22 +27,22 @@ public:
         if constexpr (features.impact_bounds) contacts.velocities.sweeps_left = {};
     }
 
-    // True of an island that stood still before and stands as it did.
+    // True of an island that was at rest and is unchanged.
     [[gnu::noinline]] bool take() {
         motion_.move({.group = motion_.island.group, .loads = &motion_.contacts.loads});
         const bool corrects = !motion_.contacts.watch.are_held(motion_.island.group) && solver().overlap();
-        if (motion_.resting().still_stands(motion_.contacts.loads, motion_.contacts.forces, corrects)) {
-            motion_.contacts.solution = {.settled = true, .stands = true};
+        if (motion_.resting().is_unchanged(motion_.contacts.loads, motion_.contacts.forces, corrects)) {
+            motion_.contacts.solution = {.unchanged = true, .at_rest = true};
             return true;
         }
         if constexpr (features.contact_readout)
             motion_.contacts.log.start_island(motion_.contacts.pairs, motion_.island);
-        if (stands_on_what_it_touches()) {
+        if (is_at_rest_on_what_it_touches()) {
             stop();
             return false;
         }
         if constexpr (features.control)
-            if (motion_.contacts.standing.has_other_gravity()) look_again();
+            if (motion_.contacts.at_rest.has_other_gravity()) look_again();
         fly();
         return false;
     }
@@ -52,16 +52,16 @@ private:
     using Solver = BoundedSolver<N, spin, features>;
     using Changes = typename Solver::Changes;
 
-    // What stood did not look for others when the step began, under other gravity.
+    // What was at rest did not look for others when the step began, under other gravity.
     void look_again() requires(features.control) {
         bool any = false;
         for (int k = 0; k < motion_.island.group.count; ++k)
-            any = any || motion_.contacts.standing.stood(motion_.island.group.id[k]);
+            any = any || motion_.contacts.at_rest.was_at_rest(motion_.island.group.id[k]);
         if (any) motion_.find_near_pairs([](int) { return true; });
     }
     // True where bodies that have not moved for a while only tremble, under gravity alone.
     [[nodiscard]] bool tremble(const Changes& changes) const {
-        bool all = changes.trembles && motion_.contacts.watch.rest(motion_.bodies, motion_.island.group);
+        bool all = changes.trembles && motion_.contacts.watch.are_at_rest(motion_.bodies, motion_.island.group);
         for (int k = 0; k < motion_.island.group.count; ++k)
             all = all && motion_.contacts.marks[motion_.island.group.id[k]].none();
         motion_.contacts.pairs.for_each(motion_.island, [&](const Pair& pair) { all = all && !pair.surface_moves; });
@@ -78,7 +78,7 @@ private:
         }
         motion_.contacts.watch.hold(motion_.island.group);
         motion_.contacts.pairs.set_balanced(motion_.island, true);
-        motion_.contacts.solution = {.settled = true, .stands = true};
+        motion_.contacts.solution = {.unchanged = true, .at_rest = true};
     }
     void stop() {
         motion_.log_forces(Work(1));
@@ -86,16 +86,16 @@ private:
         motion_.take_over_spins();
     }
     // True of an island in which nothing moves and what touches already holds each body: then no points are looked for.
-    [[nodiscard]] bool stands_on_what_it_touches() {
+    [[nodiscard]] bool is_at_rest_on_what_it_touches() {
         bool still = true;
         for (int k = 0; k < motion_.island.group.count; ++k)
-            still = still && motion_.bodies.stands_still(motion_.island.group.id[k]);
+            still = still && motion_.bodies.is_at_rest(motion_.island.group.id[k]);
         motion_.contacts.pairs.for_each(motion_.island,
                                         [&](const Pair& pair) { still = still && !pair.surface_moves; });
         if (!still) return false;
         Changes changes;
         (void)solve(changes, true);
-        return motion_.contacts.solution.stands;
+        return motion_.contacts.solution.at_rest;
     }
     // Where the flight brings bodies deeper into each other than one step takes them out again, the step is taken anew
     // in two parts or four: what contacts set spinning has turned too far for the rows of its start.
@@ -104,7 +104,7 @@ private:
         motion_.save(start);
         const Status status = motion_.bodies.status;
         const bool deepens = fly_part(start);
-        if (motion_.contacts.solution.stands) {
+        if (motion_.contacts.solution.at_rest) {
             stop();
             motion_.search.find();  // points that were found for the step, but do not touch, go
             return;
@@ -144,12 +144,12 @@ private:
         motion_.bodies.status = status;
     }
     // Flies part of the step, from `begin`. True where it brings bodies too deep into each other. Where the island
-    // stands, nothing is flown.
+    // is at rest, nothing is flown.
     bool fly_part(const Saved& begin) {
         note_ways();
         motion_.contacts.pairs.for_each(motion_.island, [&](Pair& pair) { find_points(pair, closing_of(pair)); });
         const bool touches = solve(begin);
-        if (motion_.contacts.solution.stands) return false;
+        if (motion_.contacts.solution.at_rest) return false;
         if (touches) solver().log(motion_.contacts.log);
         const bool lifts = motion_.contacts.solution.lifts;
         if (lifts) motion_.lift(false);
@@ -181,11 +181,11 @@ private:
                 motion_.contacts.threshold,
                 halvings_};
     }
-    Touch solve(Changes& changes, bool stands) {
+    Touch solve(Changes& changes, bool only_at_rest) {
         for (int k = 0; k < motion_.island.group.count; ++k)
             motion_.contacts.pairs.forget_points_of(motion_.island.group.id[k]);
         return solver().solve(motion_.contacts.loads, motion_.contacts.forces, motion_.contacts.solution, changes,
-                              stands);
+                              only_at_rest);
     }
     // Solves for the contacts and pushes the bodies to the velocities of the end. Where they then come to something to
     // which they would not have come without contacts, solves once more. True where something touches.
@@ -194,7 +194,7 @@ private:
         Changes changes;
         for (bool again = false;; again = true) {
             if (solve(changes, false) == Touch::nothing) return false;
-            if (motion_.contacts.solution.stands) return true;
+            if (motion_.contacts.solution.at_rest) return true;
             if (halvings_ == 0 && tremble(changes)) {
                 hold();
                 return true;

@@ -149,10 +149,10 @@ struct ContactBounds {
     [[nodiscard]] static Speed late(Speed closing) { return C::eighth(C::eighth(closing)); }
     // Statics are tried where nothing moves at the start of a step by more than this part of what loads change in it.
     // What slides or falls is faster after a few steps, and then costs nothing here.
-    [[nodiscard]] static Speed still(Speed loads) { return C::eighth(loads); }
+    [[nodiscard]] static Speed slow(Speed loads) { return C::eighth(loads); }
     // The same in a bounded step: what has been set down from a low height comes to rest as a whole, where the points
     // of its pairs can carry that. Sweeps in bounded number would leave a stack leaning.
-    [[nodiscard]] static Speed settles(Speed loads) {
+    [[nodiscard]] static Speed slow_when_bounded(Speed loads) {
         const Speed twice = loads + loads;
         return twice + twice;
     }

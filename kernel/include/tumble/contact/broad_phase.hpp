@@ -49,9 +49,9 @@ public:
                     if (is_kinematic && !asleep && !bodies_.constants[other].fixed()) times_.set(other, now);
                 }
                 if (is_kinematic && !asleep) return;
-                const bool still = is_still(other, asleep);
+                const bool fixed = cannot_move(other, asleep);
                 const auto clear_steps = [&] {
-                    return steps_to_body(b, other, own, loaded() || (!still && feels_loads(other, marks)), still);
+                    return steps_to_body(b, other, own, loaded() || (!fixed && feels_loads(other, marks)), fixed);
                 };
                 const auto near = [&](bool listed) {
                     if (!listed || asleep) pair = pair_of(first, second, marks);
@@ -213,7 +213,7 @@ private:
         return any;
     }
     // Of a body that does not move in the step, as far as is known.
-    [[nodiscard]] bool is_still(int b, bool asleep) const {
+    [[nodiscard]] bool cannot_move(int b, bool asleep) const {
         if constexpr (features.kinematic)
             if (bodies_.constants[b].kinematic()) return false;
         return asleep || bodies_.constants[b].fixed();
@@ -320,9 +320,9 @@ private:
         return clear_steps(closing, fall, foresight(loaded, near),
                            [&](auto travel) { return C::exceeds(travel, gap); });
     }
-    [[nodiscard]] int steps_to_body(int a, int b, Vec3<Length> d, bool loaded, bool still) const {
+    [[nodiscard]] int steps_to_body(int a, int b, Vec3<Length> d, bool loaded, bool fixed) const {
         const Vec3<Length> reach = shapes_.reach_between(bodies_, a, b);
-        if (!still) d -= drift(b);
+        if (!fixed) d -= drift(b);
         const Length closing = loaded ? twice(size_of(d)) : size_of(d);
         const Length touch = shapes_.shape(a).radius + shapes_.shape(b).radius + shapes_.tolerance();
         const auto distance2 = dot(reach, reach);

@@ -63,15 +63,15 @@ public:
     // changes after the middle of the flight. Of bodies that turn only the normals are made, where tangents can wait.
     void make_rows(Pair& pair) {
         const bool turns = this->turns(pair);
-        bool hold = !turns;
+        bool valid = !turns;
         for (int i = 0; i < pair.count; ++i) {
             if (!turns) pair.point[i].row[0].target = Speed{};
-            hold = hold && pair.point[i].rows_hold;
+            valid = valid && pair.point[i].rows_are_valid;
         }
         if constexpr (has_edges)
             if (may_round(pair)) [[unlikely]]
-                if (make_rounding_rows(pair)) hold = true;
-        if (!hold) {
+                if (make_rounding_rows(pair)) valid = true;
+        if (!valid) {
             pairs_.unbalance(pair);
             const Directions directions = directions_of(pair);
             if constexpr (Velocities::bodies_turn)
@@ -81,7 +81,7 @@ public:
             for (int i = 0; i < pair.count; ++i) {
                 Point& point = pair.point[i];
                 bool shifts = false;
-                if (!turns && (moves || !point.rows_hold)) {
+                if (!turns && (moves || !point.rows_are_valid)) {
                     Vec3<Length> arm = point.arm;
                     if (moves) {
                         if constexpr (has_edges) arm += shift(pair, point);
@@ -89,7 +89,7 @@ public:
                     }
                     for (int k = 0; k < pair.rows(); ++k) set_row(point, arm, directions, k, pair);
                 }
-                point.rows_hold = !turns && !shifts;
+                point.rows_are_valid = !turns && !shifts;
                 if constexpr (features.rolling_resistance)
                     if (pair.resists_spin()) set_spin_rows(point, directions, pair);
             }
@@ -550,7 +550,7 @@ private:
         if constexpr (features.friction)
             if (pair.has_friction) set_tangents<N>(pair.normal, pair.tangent);
         pairs_.unbalance(pair);
-        point.rows_hold = false;
+        point.rows_are_valid = false;
         return true;
     }
     // In how many directions a place is not at the end of a box, and the last of them, world.
@@ -736,7 +736,7 @@ private:
                 log2 += pair.weight.exponent() + 2 * 31 + 2;
                 const bool drifts = features.kinematic && bodies_.constants[pair.b].kinematic();
                 for (int i = 0; i < pair.count; ++i) {
-                    if (!drifts && velocities_.scale.holds(log2 + shapes_.scale().log2(pair.point[i].arm_b))) continue;
+                    if (!drifts && velocities_.scale.fits(log2 + shapes_.scale().log2(pair.point[i].arm_b))) continue;
                     for (int k = drifts ? 0 : 1; k < pair.rows(); ++k)
                         velocities_.scale.make_room(surface_speed(pair, pair.point[i], k));
                 }

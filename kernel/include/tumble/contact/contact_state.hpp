@@ -3,10 +3,10 @@
 
 #include <tumble/contact/broad_phase.hpp>
 #include <tumble/contact/contact_log.hpp>
+#include <tumble/contact/islands_at_rest.hpp>
 #include <tumble/contact/rest_watch.hpp>
 #include <tumble/contact/resting.hpp>
 #include <tumble/contact/sleepers.hpp>
-#include <tumble/contact/standing.hpp>
 #include <tumble/solver/kicks.hpp>
 #include <tumble/solver/marks.hpp>
 #include <tumble/solver/velocities.hpp>
@@ -40,7 +40,7 @@ struct ContactState {
     // While an island is solved.
     SolverVelocities<N, spin, features> velocities{};
     Solution solution{};
-    Standing<features> standing{};
+    IslandsAtRest<features> at_rest{};
     // By gravity and loads over the whole step. Of a fixed body: by how much its velocities have changed since the last
     // step, other than by rotation.
     Kicks<N, features.bodies> loads{};

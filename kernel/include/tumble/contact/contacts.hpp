@@ -23,16 +23,16 @@ public:
         state_.shapes.set_gravity(change, unit);
     }
     // Call after new gravity. Ends all bounds on the time to contact and wakes all bodies. The next step first solves
-    // anew what stood in the last one. Only what no longer stands looks for other bodies.
+    // anew what was at rest in the last one. Only what no longer is looks for other bodies.
     template <class Advance>
     void gravity_changed(const Advance& advance) requires(features.control) {
         if constexpr (features.sleep)
             for (int b = 0; b < advance.bodies.count; ++b)
                 if (is_asleep(b)) {
-                    state_.standing.end();
+                    state_.at_rest.end();
                     wake(advance, b);
                 }
-        state_.standing.gravity_changed();
+        state_.at_rest.gravity_changed();
         state_.times.end_all(advance.bodies.steps_taken);
     }
     // True of a body with a shape, where contacts are by impulses.
@@ -96,7 +96,7 @@ public:
     template <class Advance>
     constexpr void disturb(const Advance& advance, int b) {
         const std::uint32_t now = advance.bodies.steps_taken;
-        state_.standing.end();
+        state_.at_rest.end();
         end_times(b, now);
         if constexpr (features.bounded_steps) state_.watch.forget(b, now);
         if constexpr (features.kinematic && features.sleep)
@@ -174,19 +174,19 @@ public:
                 if (!times.is_clear(b, advance.bodies.steps_taken)) update(advance, b);
             }
         }
-        // What stands moves to nothing: what moves looks for it, but for kinematic bodies.
+        // What is at rest moves to nothing: what moves looks for it, but for kinematic bodies.
         bool kinematic_moves = false;
         if constexpr (features.kinematic) kinematic_moves = kinematic.group.count > 0;
         // Waking appends to the list.
         for (int k = 0; k < sleepers.awake_count(); ++k) {
             const int b = sleepers.awake(k);
             if (times.is_clear(b, advance.bodies.steps_taken) || advance.steps_with_trees(b)) continue;
-            if (kinematic_moves || !pairs.is_near(b) || !pairs.is_linked() || !state_.standing.stood(b))
+            if (kinematic_moves || !pairs.is_near(b) || !pairs.is_linked() || !state_.at_rest.was_at_rest(b))
                 update(advance, b);
         }
         if constexpr (features.contact_readout) state_.log.start_islands(state_.pairs);
         if constexpr (features.kinematic && Advance::has_loads) advance.place(kinematic, info, N::half_of(Work(1)));
-        bool islands = false, stand = state_.standing.all() && pairs.is_linked();
+        bool islands = false, unchanged = state_.at_rest.all() && pairs.is_linked();
         for (int k = 0; k < sleepers.awake_count(); ++k) {
             const int b = sleepers.awake(k);
             if (advance.steps_with_trees(b)) {
@@ -200,7 +200,7 @@ public:
             }
         }
         if constexpr (Advance::has_joints) advance.step_trees(info);
-        if (islands && !stand) [[unlikely]]
+        if (islands && !unchanged) [[unlikely]]
             step_islands(advance, info, kinematic);
         advance.end(kinematic, info);
         if constexpr (features.moving_surfaces())
@@ -213,16 +213,16 @@ public:
     template <class Self, class Archive>
     static void archive(Self& self, const Bodies& bodies, Archive& to) {
         auto& state = self.state_;
-        bool balanced[features.bodies]{}, stands[features.bodies]{};  // may stand: a step asks for its loads and forces
+        bool balanced[features.bodies]{}, may_rest[features.bodies]{};  // a step asks for its loads and forces
         to.template each_bits<4>(
             features.bodies,
             [&](int b) { return state.marks[b].bits() | static_cast<std::uint32_t>(state.pairs.is_balanced(b)) << 3; },
             [&](int b, std::uint32_t bits) {
                 balanced[b] = (bits >> 3 & 1) != 0;
-                stands[b] = Mark::of(bits).coupled || balanced[b];
+                may_rest[b] = Mark::of(bits).coupled || balanced[b];
                 if constexpr (Archive::reads) state.marks[b] = Mark::of(bits);
             });
-        Standing<features>::archive(state.standing, to);
+        IslandsAtRest<features>::archive(state.at_rest, to);
         Sleepers<N, spin, features>::archive(state.sleepers, bodies, to);
         NarrowPhase<N, spin, features>::archive(state.shapes, to);
         ClearTimes<N, features>::archive(state.times, to);
@@ -242,7 +242,7 @@ public:
         if constexpr (Archive::reads)
             for (int b = 0; b < features.bodies; ++b) state.pairs.set_balanced(b, balanced[b]);
         for (int b = 0; b < features.bodies; ++b)
-            if (stands[b] && !bodies.constants[b].fixed()) to(state.velocities.loaded[b], state.forces[b]);
+            if (may_rest[b] && !bodies.constants[b].fixed()) to(state.velocities.loaded[b], state.forces[b]);
         if constexpr (features.bounded_steps) RestWatch<N, spin, features>::archive(state.watch, bodies, to);
         if constexpr (features.moving_surfaces()) {
             to(state.velocities.surfaces.changed);
@@ -295,7 +295,7 @@ private:
             Mark& mark = state_.marks[b];
             const bool begins = !mark.driven;
             mark = advance.steps_with_trees(b) ? Mark{} : advance.mark(b);
-            if (!mark.none() && state_.pairs.is_near(b) && state_.standing.stood(b)) state_.standing.end();
+            if (!mark.none() && state_.pairs.is_near(b) && state_.at_rest.was_at_rest(b)) state_.at_rest.end();
             if (!Advance::has_own_loads || !begins || !mark.driven) continue;
             end_times(b, now);
             may_push = may_push || state_.pairs.is_near(b);
@@ -305,7 +305,7 @@ private:
     }
     template <class Advance>
     [[gnu::noinline]] void update(Advance& advance, int b) {
-        if constexpr (features.grid()) state_.standing.look(b);
+        if constexpr (features.grid()) state_.at_rest.look(b);
         if constexpr (features.pairs) {
             BodyGroup wakes;
             broad_phase(advance.bodies).update(b, state_.marks, state_.sleepers, wakes);
@@ -355,10 +355,10 @@ private:
         return found;
     }
 
-    // Makes the rows of a pair that has been read anew, where they held.
+    // Makes the rows of a pair that has been read anew, where they were valid.
     void make_rows(typename NarrowPhase<N, spin, features>::Pair& pair, const Bodies& bodies) {
-        if (!pair.rows_hold()) return;
-        for (int i = 0; i < pair.count; ++i) pair.point[i].rows_hold = false;
+        if (!pair.rows_are_valid()) return;
+        for (int i = 0; i < pair.count; ++i) pair.point[i].rows_are_valid = false;
         const SomeBodies<features.bodies> nobody{};
         const Island island{nobody, 0, {}};
         ContactRows<N, spin, features>{state_.shapes, state_.pairs, state_.velocities, bodies, island}.make_rows(pair);
@@ -415,23 +415,24 @@ private:
                                            else method.advance.move(flight, method.info, method.marks);
                                        },
                                        Advance::Integrator::coasting};
-        bool all_stand = !state_.sleepers.is_on();
+        bool all_at_rest = !state_.sleepers.is_on();
         // Sleep changes the list of awake bodies, so it waits until all islands have flown.
         BodyGroup to_sleep;
         for_each_island(advance, schedule, [&](int root, const SomeBodies<features.bodies>& group) {
             Island island{group, root, {}};
             if constexpr (features.pairs) island.first_pair = schedule.first_pair[root];
-            if (state_.pairs.has_pairs(island) && state_.standing.stands(group) && state_.pairs.are_balanced(island))
-                state_.solution = {.settled = true, .stands = true};
-            else if (!step_island(advance, info, kinematic, schedule, island, mover)) all_stand = false;
+            if (state_.pairs.has_pairs(island) && state_.at_rest.is_unchanged(group) &&
+                state_.pairs.are_balanced(island))
+                state_.solution = {.unchanged = true, .at_rest = true};
+            else if (!step_island(advance, info, kinematic, schedule, island, mover)) all_at_rest = false;
             if constexpr (features.sleep) {
-                if (state_.sleepers.may_sleep(advance.bodies, group, presses(island)) &&
-                    !advance.has_moving_end(group) && rests(advance.bodies, island))
+                if (state_.sleepers.have_been_slow(advance.bodies, group, presses(island)) &&
+                    !advance.has_moving_end(group) && may_sleep(advance.bodies, island))
                     for (int k = 0; k < group.count; ++k) to_sleep.add(group.id[k]);
             }
         });
         if constexpr (features.pairs) wake(advance, schedule.wakes);
-        state_.standing.end_step(all_stand, state_.pairs.are_complete());
+        state_.at_rest.end_step(all_at_rest, state_.pairs.are_complete());
         if constexpr (features.sleep) {
             state_.sleepers.put_to_sleep(advance.bodies, to_sleep);
             advance.spins_changed(to_sleep);
@@ -444,7 +445,7 @@ private:
                     state_.times.set(kinematic.group.id[k], now);
         }
     }
-    // One step of an island that does not stand as it did. True where it stands in the next step.
+    // One step of an island that is not known to be at rest. True where it is at rest in the next step.
     template <class Advance>
     bool step_island(Advance& advance, const StepInfo<N>& info,
                      [[maybe_unused]] const typename Advance::Kinematics& kinematic, auto& schedule, Island& island,
@@ -452,21 +453,21 @@ private:
         const auto& group = island.group;
         const auto reports = advance.bodies.status.count;
         const bool near = state_.pairs.has_pairs(island);
-        bool stands = false;
+        bool at_rest = false;
         if constexpr (features.kinematic) place(advance, info, kinematic, near ? Work(0) : N::half_of(Work(1)));
-        if (near) stands = take_step(advance.bodies, schedule, island, mover);
+        if (near) at_rest = take_step(advance.bodies, schedule, island, mover);
         else advance.portion(group, info, {});
         advance.check_range(group);
-        for (int k = 0; k < group.count; ++k) stands = stands && state_.marks[group.id[k]].none();
+        for (int k = 0; k < group.count; ++k) at_rest = at_rest && state_.marks[group.id[k]].none();
         if constexpr (features.turntables)
-            state_.pairs.for_each(island, [&](const auto& pair) { stands = stands && !pair.surface_moves; });
-        stands = stands && advance.bodies.status.count == reports;
+            state_.pairs.for_each(island, [&](const auto& pair) { at_rest = at_rest && !pair.surface_moves; });
+        at_rest = at_rest && advance.bodies.status.count == reports;
         // It looks for nothing any more, and the others may have left that to it.
         if constexpr (features.grid())
-            for (int k = 0; stands && k < group.count; ++k)
-                if (state_.standing.has_looked(group.id[k])) broad_phase(advance.bodies).examine_around(group.id[k]);
-        state_.standing.set(group, stands);
-        return stands;
+            for (int k = 0; at_rest && k < group.count; ++k)
+                if (state_.at_rest.has_looked(group.id[k])) broad_phase(advance.bodies).examine_around(group.id[k]);
+        state_.at_rest.set(group, at_rest);
+        return at_rest;
     }
     // Whether an island is few or many follows from the scene alone.
     TUMBLE_INLINE bool take_step(Bodies& bodies, auto& schedule, Island& island, const Mover<N, features>& mover) {
@@ -491,7 +492,7 @@ private:
         for (int k = 0; k < kinematic.group.count; ++k) state_.shapes.place(advance.bodies, kinematic.group.id[k]);
     }
     // True where the island touches something, and no surface that moves. A correction of penetrations puts its sleep
-    // off, in rests(), but it does not count as motion: what sinks by rounding is corrected again and again.
+    // off, in may_sleep(), but it does not count as motion: what sinks by rounding is corrected again and again.
     [[nodiscard]] bool presses(const Island& island) const {
         bool any = false, surface_moves = false;
         state_.pairs.for_each(island, [&](const auto& pair) {
@@ -500,8 +501,8 @@ private:
         });
         return any && !surface_moves;
     }
-    [[nodiscard]] bool rests(Bodies& bodies, const Island& island) requires(features.sleep) {
-        return Resting<N, spin, features>{state_.shapes, state_.pairs, state_.velocities, bodies, island}.rests(
+    [[nodiscard]] bool may_sleep(Bodies& bodies, const Island& island) requires(features.sleep) {
+        return Resting<N, spin, features>{state_.shapes, state_.pairs, state_.velocities, bodies, island}.may_sleep(
             state_.solution);
     }
 

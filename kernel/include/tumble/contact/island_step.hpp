@@ -39,13 +39,13 @@ public:
     // points that still approach are stopped. Where the rest ends far below a surface, the step ends at that surface.
     // Where the scene has bounds of its own, nothing is stopped: what is left below a surface strikes it at the start
     // of the next step.
-    // True of an island that stood still before and stands as it did.
+    // True of an island that was at rest and is unchanged.
     bool take() {
-        const bool stood = take_whole();
+        const bool at_rest = take_whole();
         if constexpr (features.impact_bounds)
             if (motion_.contacts.velocities.sweeps_left.missing)
                 motion_.bodies.report(Issue::left_over, motion_.island.root);
-        return stood;
+        return at_rest;
     }
 
 private:
@@ -55,14 +55,14 @@ private:
         const Saved& start;
         Work span;   // the rest of the step, as a part of it
         bool whole;  // no impact has interrupted the step so far
-        bool held;
+        bool rests;
     };
 
     [[gnu::noinline]] bool take_whole() {
         motion_.move({.group = motion_.island.group, .loads = &motion_.contacts.loads});
         const auto resting = motion_.resting();
-        if (resting.still_stands(motion_.contacts.loads, motion_.contacts.forces, resting.is_lifted())) {
-            motion_.contacts.solution = {.settled = true, .stands = true};
+        if (resting.is_unchanged(motion_.contacts.loads, motion_.contacts.forces, resting.is_lifted())) {
+            motion_.contacts.solution = {.unchanged = true, .at_rest = true};
             return true;
         }
         if constexpr (features.bounded_steps) motion_.contacts.watch.let_go(motion_.island.group);
@@ -71,7 +71,7 @@ private:
         for (int k = 0; k < motion_.island.group.count; ++k)
             motion_.contacts.pairs.forget_points_of(motion_.island.group.id[k]);
         if constexpr (features.control)
-            if (motion_.contacts.standing.has_other_gravity() && stands_anew()) return true;
+            if (motion_.contacts.at_rest.has_other_gravity() && is_at_rest_anew()) return true;
         Work span(1);
         [[maybe_unused]] bool ended = false;  // a contact has ended at an edge
         for (int impact = 0;; ++impact) {
@@ -80,7 +80,7 @@ private:
                 if (ended) [[unlikely]]
                     motion_.search.end_selected();
             Touch touch = solve_resting(span, impact == 0, false);
-            if (motion_.contacts.solution.stands) {
+            if (motion_.contacts.solution.at_rest) {
                 motion_.log_forces(Work(1));
                 motion_.resting().stop_all();
                 motion_.take_over_spins();
@@ -90,7 +90,7 @@ private:
             Saved start;
             motion_.save(start);
             const Attempt attempt{start, span, impact == 0, touch == Touch::rests};
-            if (attempt.held) motion_.log_forces(Work(1));
+            if (attempt.rests) motion_.log_forces(Work(1));
             fly(attempt, span, false);
             motion_.search.measure();
             motion_.search.note_seams();
@@ -113,7 +113,7 @@ private:
         const Work length = features.pairs ? stop_before_crossing(attempt) : attempt.span;
         const bool crossed = length < attempt.span, deep = motion_.search.is_too_deep();
         if (!crossed && !deep) {
-            ended = has_edges && attempt.held && impact < contact::max_impacts && !spent && ends_at_edge();
+            ended = has_edges && attempt.rests && impact < contact::max_impacts && !spent && ends_at_edge();
             Work rest(0);
             if constexpr (has_edges)
                 if (ended) [[unlikely]]
@@ -141,18 +141,18 @@ private:
         find_near_pairs();
         return rest;
     }
-    // Under other gravity: whether the island stood and still stands, on the points on which it stood. Where it does
+    // Under other gravity: whether the island was at rest and is so again, on the same points. Where it does
     // not, its bodies look for others, since they did not when the step began.
-    [[gnu::noinline]] bool stands_anew() requires(features.control) {
+    [[gnu::noinline]] bool is_at_rest_anew() requires(features.control) {
         bool all = motion_.contacts.pairs.are_balanced(motion_.island), any = false;
         for (int k = 0; k < motion_.island.group.count; ++k) {
-            const bool stood = motion_.contacts.standing.stood(motion_.island.group.id[k]);
-            all = all && stood;
-            any = any || stood;
+            const bool was_at_rest = motion_.contacts.at_rest.was_at_rest(motion_.island.group.id[k]);
+            all = all && was_at_rest;
+            any = any || was_at_rest;
         }
         if (all) {
             (void)solve_resting(Work(1), true, false, true);
-            if (motion_.contacts.solution.stands) {
+            if (motion_.contacts.solution.at_rest) {
                 motion_.log_forces(Work(1));
                 return true;
             }
@@ -178,23 +178,23 @@ private:
         return redone < contact::max_resteps;
     }
 
-    // `struck`: the impact has been resolved. `stands`: nothing is computed unless the island stands.
-    Touch solve_resting(Work span, bool whole, bool struck, bool stands = false) {
+    // `struck`: the impact has been resolved. `only_at_rest`: nothing is computed unless the island is at rest.
+    Touch solve_resting(Work span, bool whole, bool struck, bool only_at_rest = false) {
         return motion_.resting().solve(motion_.contacts.loads, span, whole, struck, motion_.mover.coasting,
-                                       motion_.contacts.forces, motion_.contacts.solution, stands);
+                                       motion_.contacts.forces, motion_.contacts.solution, only_at_rest);
     }
     void find_near_pairs() {
         motion_.find_near_pairs([](int) { return true; });
     }
     // Takes off what was noted for the rest of a flight that ended before.
     void log_not_flown(const Attempt& attempt, Work flown) {
-        if (attempt.held && flown < attempt.span) motion_.log_forces(flown / attempt.span - Work(1));
+        if (attempt.rests && flown < attempt.span) motion_.log_forces(flown / attempt.span - Work(1));
     }
     [[gnu::noinline]] void fly(const Attempt& attempt, Work length, bool restart) {
         const BodyGroup& group = motion_.island.group;
         if (restart) {
             if constexpr (Bodies::has_parts) {
-                if (attempt.held && motion_.mover.coasting != Coasting::end)
+                if (attempt.rests && motion_.mover.coasting != Coasting::end)
                     for (int k = 0; k < group.count; ++k)
                         motion_.contacts.forces.rescale(group.id[k], attempt.start.halvings(k) -
                                                                          motion_.bodies.parts.halvings[group.id[k]]);
@@ -204,11 +204,11 @@ private:
         const bool all = length == attempt.span;
         const Work part = all ? Work(1) : length / attempt.span;
         // Contact forces act as gravity does in the method: before the drift, after it, or half before and half after.
-        const bool before = attempt.held && motion_.mover.coasting != Coasting::start;
+        const bool before = attempt.rests && motion_.mover.coasting != Coasting::start;
         if (before) motion_.push(part, all, false);
         bool carries = false;
-        if constexpr (features.moving_surfaces()) carries = attempt.held && motion_.contacts.velocities.surfaces.carry;
-        const bool lifts = attempt.held && motion_.contacts.solution.lifts && !carries;
+        if constexpr (features.moving_surfaces()) carries = attempt.rests && motion_.contacts.velocities.surfaces.carry;
+        const bool lifts = attempt.rests && motion_.contacts.solution.lifts && !carries;
         if (lifts) motion_.lift(false);
         if (carries) carry(part, all, nullptr);
         Flight flight{
@@ -217,7 +217,7 @@ private:
         motion_.move(flight);
         if (lifts) motion_.lift(true);
         if (carries) carry(part, all, &attempt.start);
-        if (attempt.held && motion_.mover.coasting != Coasting::end) {
+        if (attempt.rests && motion_.mover.coasting != Coasting::end) {
             motion_.push(part, all, true, &attempt.start);
             motion_.take_over_spins();
         }

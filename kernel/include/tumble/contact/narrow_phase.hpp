@@ -362,10 +362,10 @@ private:
         }
         for (int i = 0; i < count; ++i) {
             Point& point = pair.point[i];
-            if (pair.moved || i >= pair.count || !(point.arm == found.point[i].arm)) point.rows_hold = false;
+            if (pair.moved || i >= pair.count || !(point.arm == found.point[i].arm)) point.rows_are_valid = false;
             point.arm = found.point[i].arm;
             if constexpr (features.pairs) {
-                if (!(point.arm_b == found.point[i].arm_b)) point.rows_hold = false;
+                if (!(point.arm_b == found.point[i].arm_b)) point.rows_are_valid = false;
                 point.arm_b = found.point[i].arm_b;
             }
             point.gap = found.point[i].gap;

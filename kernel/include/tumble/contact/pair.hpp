@@ -23,9 +23,9 @@ struct ContactPoint {
     Vec3<Length> arm;  // from the centre of mass of body a, its principal axes
     [[no_unique_address]] If<features.pairs, Vec3<Length>, 0> arm_b;
     Length gap;
-    bool active;             // part of the present solution
-    bool rows_hold = false;  // for where the bodies are
-    bool waits = false;      // in sweep_pressed()
+    bool active;                  // part of the present solution
+    bool rows_are_valid = false;  // for where the bodies are
+    bool waits = false;           // in sweep_pressed()
     union {
         Speed change_by_loads;  // in an impact: of the velocity along the normal, in a step
         Speed resting_impulse;  // while penetrations are corrected: along the normal, without that
@@ -169,10 +169,10 @@ struct Pair {
         else return 1;
     }
     // A step makes no row anew while the bodies stay where they are. It makes those of a surface that moves.
-    [[nodiscard]] bool rows_hold() const {
-        bool hold = count > 0 && !surface_moves;
-        for (int i = 0; i < count; ++i) hold = hold && point[i].rows_hold;
-        return hold;
+    [[nodiscard]] bool rows_are_valid() const {
+        bool valid = count > 0 && !surface_moves;
+        for (int i = 0; i < count; ++i) valid = valid && point[i].rows_are_valid;
+        return valid;
     }
     // Rolling and spinning meet a resistance.
     [[nodiscard]] bool resists_spin() const {
@@ -194,11 +194,12 @@ struct Pair {
 private:
     // Of bits(): left_out and surface_moves, which no pair with a plane is.
     static constexpr std::uint32_t of_bodies = 1u << 5 | 1u << 6;
-    // The small members of a snapshot, and back: count, what is true of the pair, whether all rows hold, the carriers.
+    // The small members of a snapshot, and back: count, what is true of the pair, whether all rows are valid, the
+    // carriers.
     [[nodiscard]] std::uint32_t bits() const {
         std::uint32_t bits = count | static_cast<std::uint32_t>(carriers.bits) << 8;
         return bits | static_cast<std::uint32_t>(moved << 3 | touched << 4 | left_out << 5 | surface_moves << 6 |
-                                                 rows_hold() << 7);
+                                                 rows_are_valid() << 7);
     }
     void set(std::uint32_t bits) {
         const auto has = [&](int bit) { return (bits >> bit & 1) != 0; };
@@ -208,7 +209,7 @@ private:
         touched = has(4);
         left_out = has(5);
         surface_moves = has(6);
-        for (int i = 0; i < count; ++i) point[i].rows_hold = has(7);
+        for (int i = 0; i < count; ++i) point[i].rows_are_valid = has(7);
     }
 };
 

@@ -47,7 +47,7 @@ public:
         for (int k = 0; k < group.count; ++k) motion_[group.id[k]].is_held = false;
     }
     // True where no body has moved for half a second, in bounded steps alone.
-    [[nodiscard]] bool rest(const Bodies& bodies, const BodyGroup& group) const {
+    [[nodiscard]] bool are_at_rest(const Bodies& bodies, const BodyGroup& group) const {
         return all_of(group, [&](const Motion& motion) {
             return motion.seen + 1 == bodies.steps_taken && bodies.steps_taken - motion.since > rest_;
         });

@@ -8,9 +8,9 @@ namespace tumble {
 // What the solution for the forces of a step has found.
 enum class Touch : std::uint8_t { nothing, rests, strikes };
 struct Solution {
-    bool lifts = false;    // SolverVelocities::added() has a motion that corrects penetrations
-    bool settled = false;  // nothing has changed since, and it corrects no penetration
-    bool stands = false;   // nothing moves, and nothing will in this step
+    bool lifts = false;      // SolverVelocities::added() has a motion that corrects penetrations
+    bool unchanged = false;  // nothing has changed since, and it corrects no penetration
+    bool at_rest = false;    // nothing moves, and nothing will in this step
 };
 
 template <class N, Spin spin, Features features>
@@ -39,10 +39,10 @@ public:
     // Solves for the contact forces over a part of the step, so that no touching point approaches at its end. Writes
     // them into `forces`, as changes of motion in that part. A point strikes if it is below the surface and approaches
     // faster than NarrowPhase::slow(). The impact must then be resolved first: unless `struck`, no forces are computed.
-    // `loads` have the changes of the velocities of surfaces, too. `stands`: nothing is computed unless the island
-    // stands.
+    // `loads` have the changes of the velocities of surfaces, too. `only_at_rest`: nothing is computed unless
+    // the island is at rest.
     Touch solve(const Kicks& loads, Work part, bool whole, bool struck, Coasting coasting, Kicks& forces,
-                Solution& solution, [[maybe_unused]] bool stands = false) {
+                Solution& solution, [[maybe_unused]] bool only_at_rest = false) {
         if constexpr (features.moving_surfaces()) velocities_.surfaces.carry = false;
         bool any = false;
         solution = {};
@@ -86,11 +86,11 @@ public:
         if (active == 0) return Touch::nothing;
         if (strikes && !struck) return Touch::strikes;
         pairs_.for_each(island_, [&](Pair& pair) { rows_.make_tangents(pair); });
-        if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_}.solve(stands)) {
+        if (whole && Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_}.solve(only_at_rest)) {
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group, &loads);
             // What sweeps have left of the motion at the start, statics stop in this step.
-            solution.stands = !lifts && pairs_.are_balanced(island_) && velocities_.start_at_rest(island_.group);
-        } else if (features.control && stands) {
+            solution.at_rest = !lifts && pairs_.are_balanced(island_) && velocities_.start_at_rest(island_.group);
+        } else if (features.control && only_at_rest) {
             return Touch::nothing;
         } else {
             const Speed enough = velocities_.scale.enough_at_rest();
@@ -98,14 +98,14 @@ public:
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group);
         }
         pairs_.count_points(island_, shapes_.tolerance());
-        solution.settled = true;
+        solution.unchanged = true;
         if constexpr (features.moving_surfaces())
             if (velocities_.surfaces.changed) [[unlikely]]
                 velocities_.surfaces.carry = coasting != Coasting::end && find_taken_along(loads, coasting);
         if (lifts) [[unlikely]] {
-            if constexpr (features.sleep) solution.settled = is_balanced();
+            if constexpr (features.sleep) solution.unchanged = is_balanced();
             solution.lifts = find_lifts();
-            solution.settled = solution.settled && !solution.lifts;
+            solution.unchanged = solution.unchanged && !solution.lifts;
         }
         if constexpr (features.moving_surfaces())
             if (velocities_.surfaces.carry) [[unlikely]]
@@ -121,13 +121,13 @@ public:
         });
         return lifts;
     }
-    // True where the last solution is that of this step too: nothing has changed since the island stood still, and the
+    // True where the last solution is that of this step too: nothing has changed since the island was at rest, and the
     // loads are those that the forces have cancelled. `corrects`: penetrations are to be corrected.
-    [[nodiscard]] bool still_stands(const Kicks& loads, const Kicks& forces, bool corrects) const {
+    [[nodiscard]] bool is_unchanged(const Kicks& loads, const Kicks& forces, bool corrects) const {
         if (corrects || !pairs_.are_balanced(island_)) return false;
         for (int k = 0; k < island_.group.count; ++k) {
             const int b = island_.group.id[k];
-            if (!bodies_.stands_still(b)) return false;
+            if (!bodies_.is_at_rest(b)) return false;
             for (int i = 0; i < 3; ++i)
                 if (!(forces[b].linear[i] == -loads[b].linear[i]) || !(forces[b].angular[i] == -loads[b].angular[i]))
                     return false;
@@ -151,10 +151,10 @@ public:
 
     // True of an island at rest, after solve(): something fixed that does not turn holds each body, directly or through
     // others, and no body accelerates.
-    [[nodiscard]] bool rests(const Solution& solution) const {
-        if (!solution.settled) return false;
-        // What stands is known to be balanced, and its velocities may be older than the last solution.
-        return are_held() && (solution.stands || is_balanced());
+    [[nodiscard]] bool may_sleep(const Solution& solution) const {
+        if (!solution.unchanged) return false;
+        // What is unchanged is known to be balanced, and its velocities may be older than the last solution.
+        return are_held() && (solution.at_rest || is_balanced());
     }
 
 private:
@@ -272,7 +272,7 @@ private:
             const int b = group.id[k];
             auto& lifted = velocities_.added()[b];
             const auto& now = velocities_.now[b];
-            // Without a solution nothing moves: rests() finds no change.
+            // Without a solution nothing moves: may_sleep() finds no change.
             if (!solved) lifted = velocities_.now[b] = velocities_.start[b];
             lifted.linear = now.linear - lifted.linear;
             lifted.angular = now.angular - lifted.angular;
@@ -316,11 +316,11 @@ private:
                 pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
                     Velocity* const b = pair.moves_b() ? &moves[pair.b] : nullptr;
                     const Velocity* const end_b = pair.moves_b() ? &velocities_.now[pair.b] : nullptr;
-                    const auto holds = [&](int k) {
+                    const auto is_within = [&](int k) {
                         return !(magnitude_of(point.row[k].excess(velocities_.now[pair.a], end_b)) > slack);
                     };
-                    if (!(point.row[0].impulse > Speed{}) || !holds(0)) return;
-                    const bool sticks = pair.rows() > 1 && holds(1) && holds(2);
+                    if (!(point.row[0].impulse > Speed{}) || !is_within(0)) return;
+                    const bool sticks = pair.rows() > 1 && is_within(1) && is_within(2);
                     for (int k = 0; k < (sticks ? pair.rows() : 1); ++k) {
                         auto& row = point.row[k];
                         const Speed by = row.missing - row.velocity(moves[pair.a], b), size = magnitude_of(by);
@@ -385,7 +385,7 @@ private:
             if (!solution.lifts) moves = taken_along;
             else moves = {moves.linear + taken_along.linear, moves.angular + taken_along.angular};
         }
-        solution.settled = solution.stands = false;
+        solution.unchanged = solution.at_rest = false;
     }
     [[nodiscard]] static bool is_pushed(const Pair& pair) {
         for (int i = 0; i < pair.count; ++i)

@@ -220,7 +220,7 @@ private:
         return any && (!is_ball(edge.body) || any_flush(pair, edge, side, -1, false));
     }
     // Whether a neighbour that is flush with `side` covers face `face` of the box, on its negative or positive side;
-    // -1: whether it holds the place on it below the body. A plane covers and holds all.
+    // -1: whether it contains the place on it below the body. A plane covers and contains all.
     [[nodiscard, gnu::noinline, gnu::cold]] bool any_flush(const Pair& pair, const Edge& edge, int side, int face,
                                                            bool negative) const {
         int i = 0;
@@ -230,7 +230,7 @@ private:
                 continue;
             }
             const Neighbour n = flush_box(*beside, edge, side);
-            if (n.is_flush && (face < 0 ? holds(n, edge, edge.foot(side)) : covers(n, edge, face, negative, side)))
+            if (n.is_flush && (face < 0 ? contains(n, edge, edge.foot(side)) : covers(n, edge, face, negative, side)))
                 return true;
         }
         return false;
@@ -267,7 +267,7 @@ private:
         const Length outward = negative ? Length(-n.centre[face]) : n.centre[face], surface = edge.half[face] + band;
         if (outward - n.extent[face] > surface || !(outward + n.extent[face] > surface)) return false;
         // A ball touches one point of the box.
-        if (is_ball(edge.body)) return holds(n, edge, edge.within(edge.foot(side)));
+        if (is_ball(edge.body)) return contains(n, edge, edge.within(edge.foot(side)));
         // It meets the part of the face that the outline of the body meets: across, more than in passing.
         const int across = 3 - face - side;
         const auto overlap = [&](int i) {
@@ -279,8 +279,8 @@ private:
         return !(overlap(side) < -band) && !(overlap(across) + band < (length < twice ? length : twice));
     }
     // Whether a point, in the axes of the box at the edge, is in the neighbour.
-    [[nodiscard, gnu::noinline, gnu::cold]] bool holds(const Neighbour& n, const Edge& edge,
-                                                       const Vec3<Length>& point) const {
+    [[nodiscard, gnu::noinline, gnu::cold]] bool contains(const Neighbour& n, const Edge& edge,
+                                                          const Vec3<Length>& point) const {
         const Vec3<Length> p = n.axes.to_body(edge.axes.to_world(Vec3<Length>(point - n.centre)));
         for (int i = 0; i < 3; ++i)
             if (magnitude_of(p[i]) > n.shape.half[i] + shapes_.tolerance()) return false;

@@ -36,22 +36,22 @@ public:
     // Writes or reads what a snapshot holds. Of the bodies that may move those sleep that are not in the list.
     template <class Self, class Archive>
     static void archive(Self& self, const Bodies& bodies, Archive& to) {
-        bool rests[features.bodies]{};
+        bool asleep[features.bodies]{};
         int moving = 0;
         for (int b = 0; b < bodies.count; ++b) {
-            rests[b] = !bodies.constants[b].fixed();
-            moving += rests[b];
+            asleep[b] = !bodies.constants[b].fixed();
+            moving += asleep[b];
         }
         const int count = to.within(self.awake_count_, features.sleep ? 0 : moving, moving);
         for (int k = 0; k < count; ++k) {
             const int b = to.within(self.awake_[k], 0, features.bodies - 1);
-            to.require(rests[b]);
-            rests[b] = false;
+            to.require(asleep[b]);
+            asleep[b] = false;
         }
         if constexpr (features.sleep) {
             to(self.quiet_);
             if constexpr (Archive::reads)
-                for (int b = 0; b < features.bodies; ++b) self.asleep_[b] = rests[b];
+                for (int b = 0; b < features.bodies; ++b) self.asleep_[b] = asleep[b];
         }
     }
     // Call when a body that is awake is removed.
@@ -81,8 +81,8 @@ public:
         add(b);
     }
     // Counts the step of an island that presses on something. True when all its bodies have been slow for long enough.
-    [[nodiscard]] bool may_sleep(const Bodies& bodies, const SomeBodies<features.bodies>& group,
-                                 bool presses) requires(features.sleep) {
+    [[nodiscard]] bool have_been_slow(const Bodies& bodies, const SomeBodies<features.bodies>& group,
+                                      bool presses) requires(features.sleep) {
         if (!rules_.on) return false;
         bool all = presses;
         const bool counts = (bodies.steps_taken & ((std::uint32_t{1} << rules_.unit) - 1)) == 0;

@@ -46,21 +46,21 @@ public:
     //
     // Each body must stand on one pair, or on several that push alike, as in a pyramid or under a bridge. All bodies
     // must come to rest, but for bodies on which nothing stands: these may move on one that rests. Or all bodies move
-    // together, as on a lift. Those on single points are left to sweeps, which solve them at once. `stands`: only where
-    // all bodies stand.
-    bool solve([[maybe_unused]] bool stands = false) {
-        if constexpr (may_ask) must_stand_ = stands;
-        const bool may = find_carrying(), still = !surface_moves_ && is_slow([](int) { return true; }),
-                   known = may && still && pairs_.are_balanced(island_);
+    // together, as on a lift. Those on single points are left to sweeps, which solve them at once. `only_at_rest`: only
+    // where all bodies come to rest.
+    bool solve([[maybe_unused]] bool only_at_rest = false) {
+        if constexpr (may_ask) only_at_rest_ = only_at_rest;
+        const bool may = find_carrying(), slow = !surface_moves_ && are_slow([](int) { return true; }),
+                   known = may && slow && pairs_.are_balanced(island_);
         bool found = known;
         if (known) {
             for (int k = 0; k < island_.group.count; ++k) velocities_.stop(island_.group.id[k]);
-        } else if (may && !surface_moves_ && (still || island_.group.count > 1)) {
+        } else if (may && !surface_moves_ && (slow || island_.group.count > 1)) {
             leave_out_sides(false);
-            found = finish(balance(still) && (!features.pairs || !moves_ || open_points_hold()));
+            found = finish(balance(slow) && (!features.pairs || !moves_ || open_points_stay_apart()));
         }
         if constexpr (Pair::max_points > 1) {
-            if (!found && may && has_faces_ && !must_stand() && moves_as_one()) {
+            if (!found && may && has_faces_ && !must_rest() && moves_as_one()) {
                 (void)find_carrying();
                 leave_out_sides(true);
                 found = slide_as_one();
@@ -79,9 +79,9 @@ private:
     static constexpr bool may_ask = features.control || features.bounded_steps;
 
     // Whether all bodies are slow at the start of the step. motion(b) is what counts of a body's velocity, and
-    // Bounds::still() has the limit.
+    // Bounds::slow() has the limit.
     template <class F>
-    [[nodiscard]] bool is_still(F&& motion) const {
+    [[nodiscard]] bool is_slow(F&& motion) const {
         Speed fastest{}, most{};
         const auto note = [](const Velocity& v, Speed& largest) {
             const Speed size = v.largest();
@@ -93,20 +93,20 @@ private:
             note(motion(b), fastest);
             note({loaded.linear - start.linear, loaded.angular - start.angular}, most);
         }
-        return !(fastest > (is_bounded() ? Bounds::settles(most) : Bounds::still(most)));
+        return !(fastest > (is_bounded() ? Bounds::slow_when_bounded(most) : Bounds::slow(most)));
     }
     // The same of the bodies for which counts(b).
     template <class F>
-    [[nodiscard]] bool is_slow(F&& counts) const {
-        return is_still([&](int b) { return counts(b) ? velocities_.start[b] : Velocity{zero(), zero()}; });
+    [[nodiscard]] bool are_slow(F&& counts) const {
+        return is_slow([&](int b) { return counts(b) ? velocities_.start[b] : Velocity{zero(), zero()}; });
     }
     // Whether the bodies hardly turn, or move against each other. Then `common_` is their velocity at the start, unless
     // one body stands on one pair.
     [[nodiscard]] bool moves_as_one() {
-        if (!is_still([&](int b) { return Velocity{zero(), velocities_.start[b].angular}; })) return false;
+        if (!is_slow([&](int b) { return Velocity{zero(), velocities_.start[b].angular}; })) return false;
         if (island_.group.count == 1 && carrying_ == 1) return true;
         (void)set_common(velocities_.start);
-        return is_still([&](int b) { return Velocity{velocities_.start[b].linear - common_[b], zero()}; });
+        return is_slow([&](int b) { return Velocity{velocities_.start[b].linear - common_[b], zero()}; });
     }
     [[nodiscard]] bool is_bounded() const {
         if constexpr (features.bounded_steps) return bounded_;
@@ -115,8 +115,8 @@ private:
     [[nodiscard]] Speed slack_of_statics() const {
         return is_bounded() ? velocities_.scale.enough_at_rest() : Bounds::slack(velocities_.scale.rounding());
     }
-    [[nodiscard]] bool must_stand() const {
-        if constexpr (may_ask) return must_stand_;
+    [[nodiscard]] bool must_rest() const {
+        if constexpr (may_ask) return only_at_rest_;
         else return false;
     }
     [[nodiscard]] static Vec3<Speed> zero() { return Vec3<Speed>::Constant(Speed{}); }
@@ -170,14 +170,14 @@ private:
         const auto& group = island_.group;
         slides_ = true;
         for (int k = 0; k < group.count; ++k) velocities_.now[group.id[k]] = {common_[group.id[k]], zero()};
-        bool found = open_points_hold();
+        bool found = open_points_stay_apart();
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
             velocities_.now[b] = {velocities_.loaded[b].linear - common_[b], velocities_.loaded[b].angular};
         }
         found = found && balance(true);
         for (int k = 0; k < group.count; ++k) velocities_.now[group.id[k]].linear += common_[group.id[k]];
-        found = finish(found && (!moves_ || open_points_hold()));
+        found = finish(found && (!moves_ || open_points_stay_apart()));
         moves_ = found;
         return found;
     }
@@ -269,7 +269,7 @@ private:
             if (pair.moves_b()) left.note(pair.b, i, 1);
         }
         for (int k = 0; k < group.count; ++k) is_leaf[group.id[k]] = left.count[group.id[k]] == 1;
-        if (!slow && !is_slow([&](int b) { return !is_leaf[b]; })) return false;
+        if (!slow && !are_slow([&](int b) { return !is_leaf[b]; })) return false;
         int solved = 0;
         bool found = true;
         for (int before = -1; found && before < solved && solved < group.count;) {
@@ -280,7 +280,7 @@ private:
                     const int i = left.last[b];
                     Pair& pair = pairs_.in_slot(i);
                     found = (!pair.carriers.must_move() && carry({{&pair}, 1}, b)) ||
-                            (is_leaf[b] && !must_stand() && slide(pair, b));
+                            (is_leaf[b] && !must_rest() && slide(pair, b));
                     left.count[b] = 0;
                     ++solved;
                     const int other = b == pair.a ? pair.b : pair.a;
@@ -309,16 +309,16 @@ private:
         return found;
     }
     // Whether no point of the other pairs, which carry nothing, comes too deep.
-    [[nodiscard]] bool open_points_hold() {
-        bool hold = true;
+    [[nodiscard]] bool open_points_stay_apart() {
+        bool all = true;
         const Speed slack = slack_of_statics();
         pairs_.for_each_active(island_, [&](Pair& pair, Point& point) {
             if (!pair.carriers.none()) return;
             const Speed excess =
                 point.row[0].excess(velocities_.now[pair.a], pair.moves_b() ? &velocities_.now[pair.b] : nullptr);
-            hold = hold && !(excess < -slack);
+            all = all && !(excess < -slack);
         });
-        return hold;
+        return all;
     }
     // Where bodies slide, their forces lie on their cones. By so much they may be beyond: by what sweeps leave.
     [[nodiscard]] Speed beyond() const { return slides_ ? velocities_.scale.enough_at_rest() : Speed{}; }
@@ -682,7 +682,7 @@ private:
     bool surface_moves_ = false;  // of something on which they stand
     Vec3<Speed> common_[bodies];  // of bodies that slide as one, weighted
     bool slides_ = false;         // `now` is relative to `common_` of the end
-    bool must_stand_ = false;
+    bool only_at_rest_ = false;
     [[no_unique_address]] If<features.bounded_steps, bool, 7> bounded_{};
 };
 

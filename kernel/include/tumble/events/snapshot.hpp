@@ -233,7 +233,7 @@ public:
     // Only counts.
     SnapshotWriter() : is_checked_{false} {}
     // Holds a state of `count` bytes against the world.
-    SnapshotWriter(const std::uint8_t* held, int count) : held_{held}, count_{count}, is_checked_{false} {}
+    SnapshotWriter(const std::uint8_t* given, int count) : given_{given}, count_{count}, is_checked_{false} {}
     void operator()(const auto&... values) { (transfer(*this, values), ...); }
     void word(std::uint32_t w) {
         if (is_checked_) write(w);
@@ -259,7 +259,7 @@ public:
     }
     // A word of which every bit has a meaning. Returns that of the bytes.
     std::uint32_t bits(std::uint32_t w) {
-        if (held_ != nullptr) w = size_ + 4 <= count_ ? word_at(held_ + size_) : 0;
+        if (given_ != nullptr) w = size_ + 4 <= count_ ? word_at(given_ + size_) : 0;
         word(w);
         return w;
     }
@@ -276,10 +276,10 @@ public:
         return has_room ? found : least;
     }
     // True where bytes are held against the world. Then values can be read that come next.
-    [[nodiscard]] bool holds() const { return held_ != nullptr; }
+    [[nodiscard]] bool compares() const { return given_ != nullptr; }
     void look_ahead(auto&... values) const {
         const int at = size_ < count_ ? size_ : count_;
-        SnapshotReader reader{held_ + at, count_ - at};
+        SnapshotReader reader{given_ + at, count_ - at};
         reader(values...);
     }
     // Call for what must be true of the bytes.
@@ -301,7 +301,7 @@ private:
     }
 
     std::uint8_t* to_ = nullptr;
-    const std::uint8_t* held_ = nullptr;
+    const std::uint8_t* given_ = nullptr;
     int size_ = 0, count_ = 0;
     bool is_checked_ = true, is_right_ = true;
     Crc32 crc_{};

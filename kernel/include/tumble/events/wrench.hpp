@@ -36,16 +36,16 @@ public:
     void set(Bodies& bodies, int b, Frame frame, const Block& value, const Block& point) {
         if constexpr (capacity == 1) b = 0;
         Body& body = body_[b];
-        Held& held = angular ? body.torque : body.force;
+        Lasting& lasting = angular ? body.torque : body.force;
         const bool at_centre = angular || point.is_zero();
         detail::require_rotation<angular>(bodies, b, frame, at_centre);
-        held.holds = !value.is_zero();
-        body.acts = body.has_next | body.holds();
+        lasting.is_set = !value.is_zero();
+        body.acts = body.has_next | body.is_set();
         // The change of drift or turn depends on the orientation.
         if (angular ? frame == Frame::world : frame == Frame::body || !at_centre) {
-            if (held.holds) return turn_with_the_body<angular>(bodies, b, frame, value, point);
+            if (lasting.is_set) return turn_with_the_body<angular>(bodies, b, frame, value, point);
         }
-        if (held.turns) forget(held);
+        if (lasting.turns) forget(lasting);
         bool within = true;
         const auto set = [&](auto& to) {
             return [&](int i, auto change, auto is_small) __attribute__((always_inline)) {
@@ -75,7 +75,7 @@ public:
         push.value.multiply_by(seconds);
         if (ends && body.begun.count <= 1) body.begun = {};
         else body.begun.template add<angular>(bodies, b, push, ends);
-        body.acts = body.has_next || body.holds();
+        body.acts = body.has_next || body.is_set();
     }
     // Call when a body has been removed.
     void forget(int b) { body_[b] = {}; }
@@ -105,14 +105,14 @@ public:
     Work seconds, steps_per_second;  // of a step
 
 private:
-    struct Held {
-        bool holds = false, turns = false;  // not zero; its change of the motion depends on the orientation
-        detail::Push<N> push{};             // of a step: N s or N m s; kept where it turns
+    struct Lasting {
+        bool is_set = false, turns = false;  // not zero; its change of the motion depends on the orientation
+        detail::Push<N> push{};              // of a step: N s or N m s; kept where it turns
 
         // Calls visit with the members that a snapshot holds.
         template <class Self, class Visit>
         static void each(Self& self, Visit& visit) {
-            visit(self.holds, self.turns, self.push);
+            visit(self.is_set, self.turns, self.push);
         }
     };
     // Sums of those that depend on the orientation, N s or N m s in a step. A force in the world's frame at a point
@@ -192,7 +192,7 @@ private:
     };
     struct Body {
         bool acts = false, has_next = false;
-        Held force{}, torque{};
+        Lasting force{}, torque{};
         [[no_unique_address]] If<begins, Begun, 0> begun{};
         Kick steady{};  // by what does not turn with the body
         Kick next{};    // in the next step, where it varies
@@ -208,7 +208,7 @@ private:
             if constexpr (begins) return begun.count > 0;
             else return false;
         }
-        [[nodiscard]] TUMBLE_INLINE bool holds() const { return force.holds || torque.holds || has_begun(); }
+        [[nodiscard]] TUMBLE_INLINE bool is_set() const { return force.is_set || torque.is_set || has_begun(); }
         [[nodiscard]] TUMBLE_INLINE bool varies() const {
             return has_next || force.turns || torque.turns || has_begun();
         }
@@ -219,18 +219,18 @@ private:
                                               const Block& point) {
         if constexpr (capacity == 1) b = 0;
         Body& body = body_[b];
-        Held& held = angular ? body.torque : body.force;
-        detail::take_push<N, angular>(held.push, bodies, b, frame, value, point);
-        held.push.value.multiply_by(seconds);
-        held.turns = true;
+        Lasting& lasting = angular ? body.torque : body.force;
+        detail::take_push<N, angular>(lasting.push, bodies, b, frame, value, point);
+        lasting.push.value.multiply_by(seconds);
+        lasting.turns = true;
         for (int i = 0; i < 3; ++i) {
             if constexpr (!angular) body.steady.linear[i] = {};
             else if constexpr (rotation) body.steady.angular[i] = {};
         }
     }
-    [[gnu::noinline]] static void forget(Held& held) {
-        held.push = {};
-        held.turns = false;
+    [[gnu::noinline]] static void forget(Lasting& lasting) {
+        lasting.push = {};
+        lasting.turns = false;
     }
     // True of a push whose change of drift or turn depends on the orientation.
     template <bool angular>
@@ -278,7 +278,7 @@ private:
     static void forget_next(Body& body) {
         body.next = {};
         body.has_next = false;
-        body.acts = body.holds();
+        body.acts = body.is_set();
     }
 
     Body body_[capacity]{};

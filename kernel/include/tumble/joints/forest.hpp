@@ -161,7 +161,7 @@ public:
         order(bodies);
     }
     // True of a joint that is there and has not broken.
-    [[nodiscard]] bool holds(int place) const {
+    [[nodiscard]] bool acts(int place) const {
         if constexpr (features.joint_breaks)
             if (strength_[place].is_broken) return false;
         return record_[place].is_there;
@@ -571,7 +571,7 @@ private:
     // The body at the other side of joint j, if b is at one; else `none`.
     [[nodiscard]] int other_of(int j, int b) const {
         const Record& joint = record_[j];
-        if (!holds(j)) return none;
+        if (!acts(j)) return none;
         for (int side = 0; side < 2; ++side)
             if (joint.side[side].body == b) return joint.side[1 - side].body;
         return none;

@@ -236,8 +236,8 @@ private:
     [[nodiscard]] static Kick<N> sum(const Kick<N>& a, const Kick<N>& b, bool& within) {
         Kick<N> sum;
         detail::for_axes<N>([&](int k) {
-            sum.linear[k] = J::held(a.linear[k] + J::held(b.linear[k], within), within);
-            sum.angular[k] = J::held(a.angular[k] + J::held(b.angular[k], within), within);
+            sum.linear[k] = J::clamped(a.linear[k] + J::clamped(b.linear[k], within), within);
+            sum.angular[k] = J::clamped(a.angular[k] + J::clamped(b.angular[k], within), within);
         });
         return sum;
     }

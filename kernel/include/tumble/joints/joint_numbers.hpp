@@ -154,11 +154,11 @@ requires(N::fixed_point) struct JointNumbers<N> {
         return lowered(spin.raw, of_spin - log2 - bits);
     }
     // What is open as a Unit. Clears `fits` where it is held.
-    [[nodiscard]] TUMBLE_INLINE static Unit held(Open a, bool& fits) { return held_at<30>(a, fits); }
+    [[nodiscard]] TUMBLE_INLINE static Unit clamped(Open a, bool& fits) { return clamped_at<30>(a, fits); }
     // The same at half of it, so that a difference of two turned vectors holds.
-    [[nodiscard]] TUMBLE_INLINE static Unit held_half(Open a, bool& fits) { return held_at<29>(a, fits); }
+    [[nodiscard]] TUMBLE_INLINE static Unit clamped_half(Open a, bool& fits) { return clamped_at<29>(a, fits); }
     template <int bits>
-    [[nodiscard]] TUMBLE_INLINE static Unit held_at(Open a, bool& fits) {
+    [[nodiscard]] TUMBLE_INLINE static Unit clamped_at(Open a, bool& fits) {
         const auto low = static_cast<std::int32_t>(a);
         if (low == a && within(low, bits)) [[likely]]
             return {low};
@@ -211,7 +211,7 @@ requires(N::fixed_point) struct JointNumbers<N> {
     };
     // A change of motion, held within a quarter of the range, so that no sum of two wraps. Clears `within` where it is.
     template <int F>
-    [[nodiscard]] TUMBLE_INLINE static Wide<F> held(Wide<F> change, bool& within) {
+    [[nodiscard]] TUMBLE_INLINE static Wide<F> clamped(Wide<F> change, bool& within) {
         const auto upper = static_cast<std::uint32_t>(static_cast<std::uint64_t>(change.raw) >> 32);
         if (upper + (1u << 28) < 1u << 29) [[likely]]
             return change;
@@ -230,7 +230,7 @@ requires(N::fixed_point) struct JointNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static Unit quarter(typename N::Turn t, Factor to_angle, typename N::Scale scale,
                                                     int halvings) {
         bool fits = true;
-        return held(angle(t, to_angle, scale, Unit::fraction_bits - 2 - halvings), fits);
+        return clamped(angle(t, to_angle, scale, Unit::fraction_bits - 2 - halvings), fits);
     }
     // True where a change of spin times 2^up, up to 6, is more than a quarter of the range.
     [[nodiscard]] TUMBLE_INLINE static bool is_wide(const typename N::TurnSum (&change)[3], int up) {
@@ -349,8 +349,8 @@ requires(!N::fixed_point) struct JointNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static Unit lean(Unit a, int, int, bool&) { return a; }
     [[nodiscard]] TUMBLE_INLINE static Open swept(Unit product, int, int, int) { return product; }
     [[nodiscard]] TUMBLE_INLINE static Open turned(Unit spin, int, int, int) { return spin; }
-    [[nodiscard]] TUMBLE_INLINE static Unit held(Open a, bool&) { return a; }
-    [[nodiscard]] TUMBLE_INLINE static Unit held_half(Open a, bool&) { return a; }
+    [[nodiscard]] TUMBLE_INLINE static Unit clamped(Open a, bool&) { return a; }
+    [[nodiscard]] TUMBLE_INLINE static Unit clamped_half(Open a, bool&) { return a; }
     [[nodiscard]] TUMBLE_INLINE static Unit shifted(Unit a, int) { return a; }
 
     struct Root {

@@ -169,14 +169,14 @@ public:
                 const Node& node = forest_.nodes()[i];
                 Vector spin;
                 for (int k = 0; k < 3; ++k) {
-                    solution[i].dv[k] = J::held(J::drift_of(kicks[i].linear[k], bodies.scale, of_rate), all);
-                    spin[k] = J::held_half(
+                    solution[i].dv[k] = J::clamped(J::drift_of(kicks[i].linear[k], bodies.scale, of_rate), all);
+                    spin[k] = J::clamped_half(
                         J::angle(N::narrow_turn(kicks[i].angular[k]), node.to_angle[k], bodies.finest_scale(), of_spin),
                         all);
                 }
                 spin = node.frame.to_world(spin);
                 for (int k = 0; k < 3; ++k)
-                    solution[i].dw[k] = J::held(J::turned(spin[k], node.length_log2, of_spin, of_rate), all);
+                    solution[i].dw[k] = J::clamped(J::turned(spin[k], node.length_log2, of_spin, of_rate), all);
             }
             return all;
         };
@@ -359,7 +359,7 @@ private:
         requires(features.has_joint_ranges()) {
         Vector rest;
         for (int k = 0; k < 3; ++k)
-            rest[k] = J::held(J::coarser(line_[i][k] - J::along(length, axis[k]), coarser), fits);
+            rest[k] = J::clamped(J::coarser(line_[i][k] - J::along(length, axis[k]), coarser), fits);
         return narrow<Unit>(dot(axis, rest));
     }
     // Of the largest of the arms and the distance, whose arm has two bits to spare.
@@ -462,7 +462,7 @@ private:
             if (!is_distance) {
                 Open gap[3];
                 set_gap(node, at, bodies, gap);
-                detail::for_axes<N>([&](int k) { target[k] = -J::held(J::coarser(gap[k], coarser), fits); });
+                detail::for_axes<N>([&](int k) { target[k] = -J::clamped(J::coarser(gap[k], coarser), fits); });
             }
             int log2 = is_distance ? log2_of_line(at) : at.own_log2 > at.arm_log2 ? at.own_log2 : at.arm_log2;
             if (node.turns < 3) {
@@ -523,7 +523,8 @@ private:
             Vector own;
             const auto scale = bodies.spin_scale(node.body);
             detail::for_axes<N>([&](int k) {
-                own[k] = J::held_half(J::angle(turn_of(bodies, node.body, k), node.to_angle[k], scale, of_spin), fits);
+                own[k] =
+                    J::clamped_half(J::angle(turn_of(bodies, node.body, k), node.to_angle[k], scale, of_spin), fits);
             });
             spin_[i] = end[i].axes.to_world(own);
         }
@@ -561,10 +562,10 @@ private:
                 } else {
                     detail::for_axes<N>([&](int k) { rate[k] += J::drift(d[k], bodies.scale, of_rate); });
                 }
-                detail::for_axes<N>([&](int k) { v[k] = -J::held(rate[k], fits); });
+                detail::for_axes<N>([&](int k) { v[k] = -J::clamped(rate[k], fits); });
                 leave_free(node, at, v, w);
                 detail::for_axes<N>(
-                    [&](int k) { w[k] = -J::held(J::turned(w[k], node.length_log2, of_spin_, of_rate), fits); });
+                    [&](int k) { w[k] = -J::clamped(J::turned(w[k], node.length_log2, of_spin_, of_rate), fits); });
             }
             set_three(s.target, v);
             set_three(s.target + 3, w);

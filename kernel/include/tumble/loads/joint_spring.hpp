@@ -46,10 +46,10 @@ public:
         note(all);
     }
     // Forgets the springs of joints that are not there any more. Those of joints that hold nothing do nothing.
-    TUMBLE_COLD void keep(auto&& is_there, auto&& holds, const auto& all) {
+    TUMBLE_COLD void keep(auto&& is_there, auto&& acts, const auto& all) {
         for (int j = 0; j < joints; ++j) {
             if (!is_there(j)) entry_[j] = Entry{};
-            entry_[j].is_on = entry_[j].along != Along::nothing && holds(j);
+            entry_[j].is_on = entry_[j].along != Along::nothing && acts(j);
         }
         note(all);
     }

@@ -210,10 +210,10 @@ public:
             bool within = true;
             for (int k = 0; k < count(); ++k) {
                 detail::for_axes<N>([&](int i) __attribute__((always_inline)) {
-                    kicks[k].linear[i] = L::settled(kicks[k].linear[i], fall[i], within);
+                    kicks[k].linear[i] = L::clamped(kicks[k].linear[i], fall[i], within);
                     if constexpr (rotates)
                         if (turned)
-                            kicks[k].angular[i] = L::settled(kicks[k].angular[i], typename N::TurnSum{}, within);
+                            kicks[k].angular[i] = L::clamped(kicks[k].angular[i], typename N::TurnSum{}, within);
                 });
                 if (within) [[likely]]
                     continue;

@@ -53,7 +53,7 @@ struct LoadedGroup : std::conditional_t<is_alone, GroupCount<1>, GroupCount<2>> 
         if constexpr (can_end)
             if (ends_with_half_of != nullptr) {
                 bool within = true;
-                return stage[k].d_w[i] + N::half(L::settled(kick[k].linear[i], ends_with_half_of[i], within));
+                return stage[k].d_w[i] + N::half(L::clamped(kick[k].linear[i], ends_with_half_of[i], within));
             }
         return stage[k].d_w[i];
     }

@@ -225,7 +225,7 @@ requires(!N::fixed_point) struct ContactNumbers<N> {
         [[nodiscard]] static constexpr bool is_cut(T) { return false; }
         [[nodiscard]] static constexpr T drift(T d, typename N::Scale) { return d; }
         [[nodiscard]] static constexpr T fall(T d, typename N::Scale) { return d; }
-        [[nodiscard]] static constexpr bool holds(Real) { return true; }
+        [[nodiscard]] static constexpr bool fits(Real) { return true; }
         // m, of contacts: sixteen rounding errors of the largest length.
         [[nodiscard]] static constexpr Real least_tolerance(Real largest) {
             return largest * Real::scaled(1, sizeof(T) == 4 ? -20 : -49);

@@ -208,7 +208,7 @@ requires(N::fixed_point) struct LoadNumbers<N> {
     static void add(Vec3<Work>& sum, int i, Work change, typename N::Scale) { sum[i] += change; }
     // The sum as the kick of a step, held within a quarter of the range. Clears `within` at its ends.
     template <int F>
-    [[nodiscard]] TUMBLE_INLINE static constexpr Wide<F> settled(Wide<F> sum, Wide<F> constant, bool& within) {
+    [[nodiscard]] TUMBLE_INLINE static constexpr Wide<F> clamped(Wide<F> sum, Wide<F> constant, bool& within) {
         const auto is_below = [](Wide<F> a, int bits) {  // the magnitude, of 32 + bits bits
             return static_cast<std::uint32_t>(N::upper(a.raw)) + (1u << bits) < 2u << bits;
         };
@@ -217,9 +217,9 @@ requires(N::fixed_point) struct LoadNumbers<N> {
             constant + Wide<F>{static_cast<std::int64_t>(static_cast<std::uint64_t>(sum.raw) << headroom)};
         if (is_below(sum, 21) && is_below(kick, 28)) [[likely]]
             return kick;
-        const Wide<F> held = settled_far(sum, constant);
-        if (held.raw == limit || held.raw == -limit) within = false;
-        return held;
+        const Wide<F> clamped = clamped_far(sum, constant);
+        if (clamped.raw == limit || clamped.raw == -limit) within = false;
+        return clamped;
     }
     // The same in working numbers, of any size.
     static void add(Vec3<Work>& sum, const typename N::DriftSum (&change)[3], typename N::Scale s) {
@@ -241,7 +241,7 @@ requires(N::fixed_point) struct LoadNumbers<N> {
 private:
     static constexpr std::int64_t limit = std::int64_t{1} << 60;
     template <int F>
-    [[nodiscard, gnu::noinline, gnu::cold]] static constexpr Wide<F> settled_far(Wide<F> sum, Wide<F> constant) {
+    [[nodiscard, gnu::noinline, gnu::cold]] static constexpr Wide<F> clamped_far(Wide<F> sum, Wide<F> constant) {
         constexpr std::int64_t most = limit >> headroom;
         const Wide<F> total = N::held_sum(sum, Wide<F>{constant.raw >> headroom});
         bool within = true;
@@ -389,7 +389,7 @@ requires(!N::fixed_point) struct LoadNumbers<N> {
     TUMBLE_INLINE static void add(T& sum, const Vector& v, int i, T f, typename N::Scale) { sum += v.v[i] * f; }
     TUMBLE_INLINE static void add_share(T& sum, T d, T f, typename N::Scale) { sum += d * f; }
     [[nodiscard]] TUMBLE_INLINE static constexpr T share(T d, T f) { return d * f; }
-    [[nodiscard]] TUMBLE_INLINE static constexpr T settled(T sum, T constant, bool&) { return constant + sum; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr T clamped(T sum, T constant, bool&) { return constant + sum; }
 };
 
 }  // namespace tumble

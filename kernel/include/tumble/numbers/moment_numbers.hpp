@@ -35,7 +35,9 @@ requires(N::fixed_point) struct MomentNumbers<N> {
             return {up >= 0 ? l.raw << up : l.raw >> -up};
         }
         // A moment over the extent.
-        [[nodiscard]] Speed speed(Moment m) const { return held((m.raw + ((std::int64_t{1} << bits_) >> 1)) >> bits_); }
+        [[nodiscard]] Speed speed(Moment m) const {
+            return clamped((m.raw + ((std::int64_t{1} << bits_) >> 1)) >> bits_);
+        }
         [[nodiscard]] Length length() const { return {std::int32_t{1} << bits_}; }
 
     private:
@@ -78,17 +80,17 @@ requires(N::fixed_point) struct MomentNumbers<N> {
         return {share<most>(sum.raw, count)};
     }
     [[nodiscard]] static Speed speed(Moment m) {
-        return held((m.raw + (1 << (Length::fraction_bits - 1))) >> Length::fraction_bits);
+        return clamped((m.raw + (1 << (Length::fraction_bits - 1))) >> Length::fraction_bits);
     }
     // a / b for b > 0.
     [[nodiscard]] static Lever ratio(Speed a, Speed b) {
-        return Lever{held((static_cast<std::int64_t>(a.raw) * (1 << Lever::fraction_bits)) / b.raw).raw};
+        return Lever{clamped((static_cast<std::int64_t>(a.raw) * (1 << Lever::fraction_bits)) / b.raw).raw};
     }
     // s a / b
     [[nodiscard]] static Speed times_ratio(Speed s, Lever a, Lever b) {
         const std::int64_t quotient = detail::multiply(s.raw, a.raw) / b.raw;
-        constexpr std::int64_t held = std::int64_t{1} << 29;
-        return {static_cast<std::int32_t>(quotient > held ? held : quotient < -held ? -held : quotient)};
+        constexpr std::int64_t most = std::int64_t{1} << 29;
+        return {static_cast<std::int32_t>(quotient > most ? most : quotient < -most ? -most : quotient)};
     }
     // Of a lever below 1.
     [[nodiscard]] static Unit unit(Lever l) { return {l.raw * (1 << (Unit::fraction_bits - Lever::fraction_bits))}; }
@@ -135,8 +137,8 @@ private:
             return (sum + round * (count - 1)) >> (count >> 1);
         }
     }
-    // Held at the largest Speed.
-    [[nodiscard]] static Speed held(std::int64_t raw) {
+    // Clamped at the largest Speed.
+    [[nodiscard]] static Speed clamped(std::int64_t raw) {
         constexpr std::int64_t most = std::int64_t{1} << 30;
         return {static_cast<std::int32_t>(raw > most ? most : raw < -most ? -most : raw)};
     }

@@ -302,7 +302,7 @@ struct Q32 {
     [[nodiscard]] static constexpr TurnSum largest_turn_with_room(int up) {
         return {up > most_room ? 0 : ((1 << (30 - up)) - 1) * (std::int64_t{1} << 32)};
     }
-    static constexpr void hold(auto& turn, int up) {
+    static constexpr void clamp(auto& turn, int up) {
         if (up > most_room) return;
         const TurnSum limit = largest_turn_with_room(up);
         turn = std::remove_reference_t<decltype(turn)>::from_sum(turn.sum().raw < 0 ? -limit : limit);

@@ -71,7 +71,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
             return s;
         }
         // True if a shape may be that large.
-        [[nodiscard]] static constexpr bool holds(Real metres) { return metres <= Real::scaled(1, room); }
+        [[nodiscard]] static constexpr bool fits(Real metres) { return metres <= Real::scaled(1, room); }
         // m, of contacts. Gaps are whole units.
         [[nodiscard]] constexpr Real least_tolerance(Real) const { return Real::scaled(16, -bits_); }
         [[nodiscard]] constexpr int bits() const { return bits_; }
@@ -168,7 +168,7 @@ requires(N::fixed_point) struct ContactNumbers<N> {
         }
         [[nodiscard]] Speed speed(Work w) const { return {static_cast<std::int32_t>(w.to_sum(bits_, 0x3fffffff))}; }
         // Whether impulses that turn a speed below 2^log2 round fit.
-        [[nodiscard]] bool holds(int log2) const { return log2 + bits_ <= 27; }
+        [[nodiscard]] bool fits(int log2) const { return log2 + bits_ <= 27; }
         // Makes the scale coarser where they would not, for a speed of a surface.
         void make_room(Work w) {
             const int over = w.exponent() + bits_ + 4;

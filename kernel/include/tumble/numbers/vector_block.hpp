@@ -298,11 +298,11 @@ private:
             const auto rounded = [&](int i) { return T{((mantissa[i] >> (down - 1)) + 1) >> 1}; };
             return {rounded(0), rounded(1), rounded(2)};
         }
-        const auto held = [&](int i) {
+        const auto clamped = [&](int i) {
             const std::int64_t raw = N::shifted(mantissa[i], -down), limit = INT32_MAX;
             return T{static_cast<std::int32_t>(raw > limit ? limit : raw < -limit ? -limit : raw)};
         };
-        return {held(0), held(1), held(2)};
+        return {clamped(0), clamped(1), clamped(2)};
     }
     // A sum times a factor: 30 bits or 31, or zero.
     struct Product {

@@ -138,7 +138,7 @@ TUMBLE_COLD constexpr void set_collision_shape(CollisionShape<N>& shape, const B
     using Unit = typename C::Unit;
     const auto unit = [](Real v) { return N::template constant<Unit>(v); };
     const Real reach = reach_of(spec.shape);
-    TUMBLE_ASSERT(C::LengthScale::holds(reach));
+    TUMBLE_ASSERT(C::LengthScale::fits(reach));
     shape.kind = reach > Real{} ? spec.shape.kind : ShapeKind::none;
     shape.radius = scale.length(reach);
     const Real half = Real::scaled(1, -1);

@@ -44,7 +44,7 @@ struct FrictionCone {
         return wanted - row.impulse;
     }
     // Whether impulses of two tangents are in the cone.
-    [[nodiscard]] static bool holds(const Row* tangent, const Speed (&impulse)[2], Speed limit) {
+    [[nodiscard]] static bool contains(const Row* tangent, const Speed (&impulse)[2], Speed limit) {
         return !(square(tangent, impulse[0], impulse[1]) > mul(limit, limit));
     }
     // The most that the impulses may be, for the impulse of a normal.

@@ -140,14 +140,14 @@ struct Sweep {
     static Speed run(Source&& for_each_block, const Velocities& for_each_velocity, Speed enough, Speed rounding,
                      int& left, int patience, bool with_momentum = true) {
         Speed most{};
-        int stood = 0;
+        int idle = 0;
         if (with_momentum) for_each_velocity([](const Velocity& now, Motion& motion) { motion.before = now; });
         for (int sweep = 0; left > 0; ++sweep) {
             if (with_momentum && sweep > 0) {
                 Speed moved{};
                 const Unit momentum = momentum_of(for_each_velocity, sweep == 1, moved);
-                stood = moved > rounding ? 0 : stood + 1;
-                if (stood >= patience) break;
+                idle = moved > rounding ? 0 : idle + 1;
+                if (idle >= patience) break;
                 go_on(for_each_block, for_each_velocity, momentum);
             }
             --left;
@@ -186,7 +186,7 @@ private:
                     wanted[i][k] = row[1 + k].impulse + tangents.change(2 * i + k, by);
                     if (!C::fits(wanted[i][k])) return false;
                 }
-                if (!Cone::holds(row + 1, wanted[i], Cone::limit_of(row[0], row[0].impulse, face.pair.friction)))
+                if (!Cone::contains(row + 1, wanted[i], Cone::limit_of(row[0], row[0].impulse, face.pair.friction)))
                     return false;
             }
             for (int i = 0; i < face.count; ++i)

@@ -99,7 +99,7 @@ protected:
     void break_overloaded() requires(features.joint_breaks) {
         bool is_overloaded[features.joints];
         for (int j = 0; j < features.joints; ++j)
-            is_overloaded[j] = advance_.joints.holds(j) && advance_.joints.strength(j).has_limits() &&
+            is_overloaded[j] = advance_.joints.acts(j) && advance_.joints.strength(j).has_limits() &&
                                joint_reader(j).exceeds(advance_.joints.strength(j));
         for (int j = 0; j < features.joints; ++j)
             if (is_overloaded[j]) act_on_joint<EventKind::break_joint>({j, advance_.joints.generation(j)});

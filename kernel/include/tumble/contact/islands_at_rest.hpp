@@ -1,6 +1,6 @@
-// Which islands stand: in the last step one stood as in the step before, under gravity alone. While nothing happens to
-// a world, and its bodies are balanced (PairList::are_balanced), it stands in the next step too: neither loads nor
-// forces of it are computed, and its bodies look for nothing.
+// Which islands are at rest under gravity alone. While one is unchanged and its bodies are balanced
+// (PairList::are_balanced), it is at rest in the next step too: neither its loads nor its forces are computed, and its
+// bodies look for no others.
 #pragma once
 
 #include <tumble/body/bodies.hpp>
@@ -9,19 +9,19 @@
 namespace tumble {
 
 template <Features features>
-class Standing {
+class IslandsAtRest {
 public:
     using BodyGroup = SomeBodies<features.bodies>;
 
     // Call where something happens that is not the work of a step.
     constexpr void end() {
         all_ = is_known_ = false;
-        if constexpr (features.control) gravity_.stood = false;
+        if constexpr (features.control) gravity_.were_at_rest = false;
     }
-    // Call where gravity changes: what stood may stand under other forces.
+    // Call where gravity changes: what was at rest may be held by other forces.
     void gravity_changed() requires(features.control) {
         gravity_.is_other = true;
-        gravity_.stood = gravity_.stood || all_;
+        gravity_.were_at_rest = gravity_.were_at_rest || all_;
         all_ = false;
     }
     // True from new gravity to the end of the next step of islands.
@@ -29,31 +29,31 @@ public:
         if constexpr (features.control) return gravity_.is_other;
         else return false;
     }
-    // True where all islands stood, under the same gravity. With sleep never: their bodies fall asleep.
+    // True where all islands are at rest and unchanged. With sleep never: their bodies fall asleep.
     [[nodiscard]] bool all() const { return all_; }
-    // True where the body stood when it was last near something. Ask whether it is near something now.
-    [[nodiscard]] TUMBLE_INLINE bool stood([[maybe_unused]] int b) const {
+    // True where the body was at rest when it last had a pair. Ask whether it has one now.
+    [[nodiscard]] TUMBLE_INLINE bool was_at_rest([[maybe_unused]] int b) const {
         if constexpr (each) return all_ || (is_known_ && of_[b]);
-        else if constexpr (features.control) return all_ || gravity_.stood;
+        else if constexpr (features.control) return all_ || gravity_.were_at_rest;
         else return all_;
     }
-    // True where an island stands as it did. Ask whether it is balanced.
-    [[nodiscard]] bool stands(const BodyGroup& group) const { return !has_other_gravity() && stood(group); }
-    // True where all bodies of an island stood. The island of a single body is all there is.
-    [[nodiscard]] bool stood(const BodyGroup& group) const {
+    // True where an island is unchanged since it was at rest. Ask whether it is balanced.
+    [[nodiscard]] bool is_unchanged(const BodyGroup& group) const { return !has_other_gravity() && was_at_rest(group); }
+    // True where all bodies of an island were at rest. The island of a single body is all there is.
+    [[nodiscard]] bool was_at_rest(const BodyGroup& group) const {
         bool all = true;
-        for (int k = 0; k < group.count; ++k) all = all && stood(group.id[k]);
+        for (int k = 0; k < group.count; ++k) all = all && was_at_rest(group.id[k]);
         return all;
     }
     // Call where the body looks for others, in worlds with a grid.
     void look(int b) requires(features.grid()) { of_[b] = false; }
-    // True where it has looked since it stood, or has not stood.
+    // True where it has looked since it was at rest, or was not.
     [[nodiscard]] bool has_looked(int b) const requires(features.grid()) { return !of_[b]; }
 
     // Call for each island that has stepped.
-    void set([[maybe_unused]] const BodyGroup& group, [[maybe_unused]] bool stands) {
+    void set([[maybe_unused]] const BodyGroup& group, [[maybe_unused]] bool at_rest) {
         if constexpr (each)
-            for (int k = 0; k < group.count; ++k) of_[group.id[k]] = stands;
+            for (int k = 0; k < group.count; ++k) of_[group.id[k]] = at_rest;
     }
     // Call when all islands have stepped. `is_known`: every pair of bodies that are near is in an island.
     void end_step(bool all, bool is_known) {
@@ -66,15 +66,15 @@ public:
     template <class Self, class Archive>
     static void archive(Self& self, Archive& to) {
         to(self.all_, self.is_known_);
-        if constexpr (features.control) to(self.gravity_.is_other, self.gravity_.stood);
+        if constexpr (features.control) to(self.gravity_.is_other, self.gravity_.were_at_rest);
         if constexpr (each) to(self.of_);
     }
 
 private:
     static constexpr bool each = features.bodies > 1;
     struct Gravity {
-        bool is_other = false;  // than in the last step
-        bool stood = false;     // then all islands stood under the one before
+        bool is_other = false;      // than in the last step
+        bool were_at_rest = false;  // all islands, under the one before
     };
 
     bool all_ = false;
