@@ -1,13 +1,13 @@
 // WorldEvents<Scene>: what events do to a world, at once or when a script says so.
 #pragma once
 
-#include <tumble/world/world_setup.hpp>
+#include <tumble/world/world_parts.hpp>
 
 namespace tumble {
 
 template <class S>
-class WorldEvents : protected WorldSetup<S> {
-    using Base = WorldSetup<S>;
+class WorldEvents : protected WorldParts<S> {
+    using Base = WorldParts<S>;
 
 protected:
     using Base::contains, Base::joint_reader, Base::steps_per_second, Base::seconds, Base::remember_all, Base::place_of,
