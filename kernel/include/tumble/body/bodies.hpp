@@ -630,19 +630,23 @@ private:
     }
 };
 
-// How bodies are and move, to come back to it. Places without a copy are not initialised.
+// How bodies are and move, to come back to it. Places without a copy are not initialised, which saves time.
 template <class Bodies>
 class SavedMotions {
+    using State = typename Bodies::State;
+
 public:
     void save(int k, const Bodies& bodies, int b) {  // the motion of body b, as copy k
-        state_.keep(k, bodies.state[b]);
+        std::launder(reinterpret_cast<State*>(states_))[k] = bodies.state[b];
         if constexpr (Bodies::has_parts) halvings_[k] = bodies.parts.halvings[b];
     }
     void restore(int k, Bodies& bodies, int b) const {  // the motion of body b, from copy k
-        bodies.state[b] = state_[k];
+        bodies.state[b] = (*this)[k];
         if constexpr (Bodies::has_parts) bodies.parts.halvings[b] = halvings_[k];
     }
-    [[nodiscard]] const typename Bodies::State& operator[](int k) const { return state_[k]; }
+    [[nodiscard]] const State& operator[](int k) const {
+        return std::launder(reinterpret_cast<const State*>(states_))[k];
+    }
     [[nodiscard]] int halvings(int k) const requires(Bodies::has_parts) { return halvings_[k]; }  // of copy k
     [[nodiscard]] auto spin_scale([[maybe_unused]] int k, const Bodies& bodies) const {           // of copy k
         if constexpr (Bodies::has_parts) return bodies.scale.halved(halvings_[k]);
@@ -650,7 +654,8 @@ public:
     }
 
 private:
-    StateCopies<typename Bodies::State, Bodies::room> state_;
+    static_assert(std::is_aggregate_v<State> && std::is_trivially_copyable_v<State>);  // lives where it is assigned
+    alignas(State) std::byte states_[sizeof(State) * Bodies::room];
     [[no_unique_address]] typename detail::RoomFor<std::int8_t, Bodies::has_parts ? Bodies::room : 0>::Array halvings_;
 };
 

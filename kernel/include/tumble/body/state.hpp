@@ -70,18 +70,4 @@ struct BodyState<N, Spin::none> {
     friend constexpr bool operator==(const BodyState&, const BodyState&) = default;
 };
 
-// Copies of up to `capacity` states. Places without a copy are not initialised, which saves time.
-template <class State, int capacity>
-class StateCopies {
-public:
-    void keep(int k, const State& state) { first()[k] = state; }
-    [[nodiscard]] const State& operator[](int k) const { return first()[k]; }
-    [[nodiscard]] State* first() { return std::launder(reinterpret_cast<State*>(storage_)); }
-    [[nodiscard]] const State* first() const { return std::launder(reinterpret_cast<const State*>(storage_)); }
-
-private:
-    static_assert(std::is_aggregate_v<State> && std::is_trivially_copyable_v<State>);  // lives where it is assigned
-    alignas(State) std::byte storage_[sizeof(State) * capacity];
-};
-
 }  // namespace tumble
