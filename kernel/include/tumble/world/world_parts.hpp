@@ -164,10 +164,11 @@ protected:
     }
     // Keeps the motion of a body, for imu().
     constexpr void remember(int b) requires has_imu {
-        const State& s = advance_.bodies.state[b];
-        if constexpr (features.rotation)
-            before_[b] = {s.d_w, s.t_b, static_cast<std::int8_t>(advance_.bodies.halvings_of(b))};
-        else before_[b] = {s.d_w};
+        before_[b].d_w = advance_.bodies.state[b].d_w;
+        if constexpr (features.rotation) {
+            before_[b].t_b = advance_.bodies.state[b].t_b;
+            before_[b].halvings = static_cast<std::int8_t>(advance_.bodies.halvings_of(b));
+        }
     }
     constexpr void remember_all() {
         if constexpr (has_imu)
