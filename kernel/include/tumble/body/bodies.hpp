@@ -637,11 +637,11 @@ class SavedMotions {
 
 public:
     void save(int k, const Bodies& bodies, int b) {  // the motion of body b, as copy k
-        std::launder(reinterpret_cast<State*>(states_))[k] = bodies.state[b];
+        copy(std::launder(reinterpret_cast<State*>(states_))[k], bodies.state[b]);
         if constexpr (Bodies::has_parts) halvings_[k] = bodies.parts.halvings[b];
     }
     void restore(int k, Bodies& bodies, int b) const {  // the motion of body b, from copy k
-        bodies.state[b] = (*this)[k];
+        copy(bodies.state[b], (*this)[k]);
         if constexpr (Bodies::has_parts) bodies.parts.halvings[b] = halvings_[k];
     }
     [[nodiscard]] const State& operator[](int k) const {
@@ -654,6 +654,19 @@ public:
     }
 
 private:
+    // Without a call of memcpy().
+    TUMBLE_INLINE static void copy(State& to, const State& from) {
+        to.x_w = from.x_w;
+        detail::keep_apart();
+        to.d_w = from.d_w;
+        if constexpr (Bodies::rotation) {
+            detail::keep_apart();
+            to.q_wb = from.q_wb;
+            detail::keep_apart();
+            to.t_b = from.t_b;
+        }
+    }
+
     static_assert(std::is_aggregate_v<State> && std::is_trivially_copyable_v<State>);  // lives where it is assigned
     alignas(State) std::byte states_[sizeof(State) * Bodies::room];
     [[no_unique_address]] typename detail::RoomFor<std::int8_t, Bodies::has_parts ? Bodies::room : 0>::Array halvings_;
