@@ -3,7 +3,9 @@
 
 #include "kinds.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace tumble::test {
@@ -316,6 +318,119 @@ TYPED_TEST(Scripts, gravity_is_an_event_without_a_body) {
     world.step();
     EXPECT_NEAR(static_cast<double>(world.velocity(BodyId{0}).y), 8.0 / 256, 1e-6);
     EXPECT_EQ(recorder.count(), 2);
+}
+
+// Forces that begin and end, in a world that a program also controls.
+template <class N, class Method = integrators::Verlet>
+using Pushed = World<SceneOf<N, Method, Features{.forces = true, .control = true}>>;
+BodySpec skew_top() {
+    return {.mass = 2,
+            .inertia = {0.2, 0.15, 0.175, 0.025, -0.0125, 0.0375},
+            .position = {1, 2, 3},
+            .velocity = {0.5, 0, -1},
+            .angular_velocity = {0.5, -1, 0.75}};
+}
+template <class Kind>
+class TimedForces : public testing::Test {};
+using TimedForceNumbers = testing::Types<Q32<NearRange>, F32, F64>;
+TYPED_TEST_SUITE(TimedForces, TimedForceNumbers);
+
+TYPED_TEST(TimedForces, that_overlap_are_as_forces_of_each_step_and_leave_nothing) {
+    struct Push {
+        EventKind begin;
+        Frame frame;
+        RealVec3 value, point;
+        int from, until;
+    };
+    using enum EventKind;
+    const std::array pushes{Push{begin_force, Frame::world, {0.5, 1, -0.25}, {0.1, 0.2, -0.3}, 3, 90},
+                            Push{begin_force, Frame::world, {-0.3, 0.1, 0.7}, {0, 0.2, 0}, 10, 60},
+                            Push{begin_force, Frame::world, {3, 0.1, 0.2}, {}, 10, 11},
+                            Push{begin_force, Frame::body, {0.1, 0.7, 0.3}, {0.3, 0, 0.1}, 20, 100},
+                            Push{begin_force, Frame::body, {0.1, 0, -0.2}, {}, 50, 55},
+                            Push{begin_torque, Frame::world, {0.1, 0, 0.3}, {}, 7, 80},
+                            Push{begin_torque, Frame::body, {0, 0.1, -0.2}, {}, 30, 70}};
+    Pushed<TypeParam> timed{Seconds{1, 256}}, by_hand{Seconds{1, 256}};
+    const BodyId id = timed.add(skew_top());
+    (void)by_hand.add(skew_top());
+    std::vector<EventSpec> specs;
+    for (const Push& p : pushes) {
+        specs.push_back({Real{p.from} / Real{256}, p.begin, 0, p.frame, p.value, p.point});
+        specs.push_back(
+            {Real{p.until} / Real{256}, p.begin == begin_force ? end_force : end_torque, 0, p.frame, p.value, p.point});
+    }
+    std::vector<Event<TypeParam>> events;
+    timed.set_script(prepare_sorted(events, specs, timed.bodies()));
+    const auto distance = [&](const auto& a, const auto& b) {
+        double most = 0;
+        for (int i = 0; i < 3; ++i)
+            most = std::max(most, std::abs(static_cast<double>(a[i]) - static_cast<double>(b[i])));
+        return most;
+    };
+    const double rounding = std::is_same_v<TypeParam, F64> ? 1e-13 : std::is_same_v<TypeParam, F32> ? 2e-5 : 1e-7;
+    for (int step = 0; step < 128; ++step) {
+        for (const Push& p : pushes) {
+            if (step < p.from || step >= p.until) continue;
+            if (p.begin == begin_force) by_hand.apply_force(id, p.value, p.frame, p.point);
+            else by_hand.apply_torque(id, p.value, p.frame);
+        }
+        const auto v = timed.velocity(id);
+        timed.step();
+        by_hand.step();
+        ASSERT_LE(distance(timed.velocity(id), by_hand.velocity(id)), rounding) << step;
+        ASSERT_LE(distance(timed.angular_velocity(id), by_hand.angular_velocity(id)), rounding) << step;
+        if (step >= 100) { ASSERT_EQ(distance(timed.velocity(id), v), 0) << step; }
+    }
+}
+
+TYPED_TEST(TimedForces, whose_times_lie_between_steps_give_the_impulse_of_the_nearest_steps) {
+    Pushed<TypeParam> world{Seconds{1, 256}};
+    const BodyId id = world.add(skew_top());
+    const RealVec3 force{64, -32, 16};
+    const std::array specs{EventSpec{.time = 10.4 / 256, .kind = EventKind::begin_force, .value = force},
+                           EventSpec{.time = 20.6 / 256, .kind = EventKind::end_force, .value = force}};
+    std::vector<Event<TypeParam>> events(2);
+    world.set_script(prepare_sorted(events, specs, world.bodies()));
+    for (int step = 0; step < 32; ++step) {
+        world.step();
+        const int pushed = std::clamp(step - 9, 0, 11);  // in the steps 10 to 20
+        const auto v = world.velocity(id);
+        ASSERT_EQ(static_cast<double>(v.x), 0.5 + pushed * 0.125) << step;
+        ASSERT_EQ(static_cast<double>(v.y), -pushed * 0.0625) << step;
+        ASSERT_EQ(static_cast<double>(v.z), -1 + pushed * 0.03125) << step;
+    }
+}
+
+TEST(TimedForce, has_order_two_under_a_method_of_order_four) {
+    const auto end_of = [](int steps) {
+        Pushed<F64, integrators::Suzuki4> world{Seconds{1, steps}};
+        const BodyId id = world.add(skew_top());
+        world.apply(world.prepare({.kind = EventKind::begin_force, .value = {1, 2, 0.5}, .point = {0.1, 0.3, 0}}));
+        for (int step = 0; step < steps; ++step) world.step();
+        return world.angular_velocity(id);
+    };
+    const auto exact = end_of(4096);
+    double error[2];
+    for (int i = 0; i < 2; ++i) {
+        const auto w = end_of(32 << i);
+        error[i] = std::hypot(w.x - exact.x, w.y - exact.y, w.z - exact.z);
+    }
+    EXPECT_GT(error[1], 1e-7);
+    EXPECT_NEAR(error[0] / error[1], 4, 0.2);
+}
+
+TEST(TimedForce, that_has_not_begun_ends_nothing) {
+    Pushed<Q32<>> world{Seconds{1, 256}}, other{Seconds{1, 256}};
+    const BodyId id = world.add(skew_top());
+    (void)other.add(skew_top());
+    world.set_force(id, {0, 1, 0}, Frame::world);
+    other.set_force(id, {0, 1, 0}, Frame::world);
+    world.apply(world.prepare({.kind = EventKind::end_force, .value = {0, 1, 0}}));
+    for (int step = 0; step < 8; ++step) {
+        world.step();
+        other.step();
+    }
+    EXPECT_EQ(world.hash(), other.hash());
 }
 
 }  // namespace
