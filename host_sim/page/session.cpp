@@ -115,15 +115,9 @@ std::size_t Session::add(const RunWay& way) {
     SceneDescription scene = scene_;
     scene.step = scaled(scene.step, -way.halvings);
     // What acts does so at a step of the scene, in a run of another step too.
-    const auto snap = [&](double& time) {
+    for_each_time(scene, [&](double& time) {
         time = static_cast<double>(nearest_step(time, scene_.step)) * scene_.step.seconds();
-    };
-    for (ImpulseDescription& impulse : scene.impulses) snap(impulse.time);
-    for (ForceDescription& force : scene.forces) {
-        snap(force.from);
-        snap(force.until);
-    }
-    for (EventDescription& event : scene.events) snap(event.time);
+    });
     runs_.emplace_back(make_simulation(scene, way.integrator, way.numbers, way.carry), way.halvings);
     return runs_.size() - 1;
 }

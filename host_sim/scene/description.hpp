@@ -224,4 +224,14 @@ struct SceneDescription {
     [[nodiscard]] std::int64_t steps() const;
 };
 
+// Calls f(time) with each time at which something acts, begins or ends, s.
+void for_each_time(auto& scene, auto&& f) {
+    for (auto& impulse : scene.impulses) f(impulse.time);
+    for (auto& force : scene.forces) {
+        f(force.from);
+        f(force.until);
+    }
+    for (auto& event : scene.events) f(event.time);
+}
+
 }  // namespace tumble::host

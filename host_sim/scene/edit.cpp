@@ -51,9 +51,7 @@ std::string with_value(const std::string& text, const char* table, const char* k
 
 double readable_duration(const SceneDescription& scene) {
     double latest = scene.duration;
-    for (const ImpulseDescription& impulse : scene.impulses) latest = std::max(latest, impulse.time);
-    for (const ForceDescription& force : scene.forces) latest = std::max({latest, force.from, force.until});
-    for (const EventDescription& event : scene.events) latest = std::max(latest, event.time);
+    for_each_time(scene, [&](double time) { latest = std::max(latest, time); });
     return latest;
 }
 

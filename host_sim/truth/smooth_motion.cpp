@@ -140,19 +140,15 @@ SmoothMotion::SmoothMotion(const SceneDescription& scene, ShapesMeet shapes_meet
     for (const ImpulseDescription& impulse : scene.impulses)
         kicks_.push_back({nearest_step(impulse.time, scene.step), impulse});
     std::stable_sort(kicks_.begin(), kicks_.end(), [](const Kick& a, const Kick& b) { return a.step < b.step; });
-    for (const Kick& kick : kicks_) breaks_.push_back(kick.step);
     gravity_ = vector_of(scene.gravity);
     for (const EventDescription& event : scene.events)
         if (event.kind == EventKind::gravity)
             gravities_.push_back({nearest_step(event.time, scene.step), vector_of(event.value)});
     std::stable_sort(gravities_.begin(), gravities_.end(),
                      [](const NewGravity& a, const NewGravity& b) { return a.step < b.step; });
-    for (const NewGravity& gravity : gravities_) breaks_.push_back(gravity.step);
-    for (const ForceDescription& force : scene.forces) {
+    for (const ForceDescription& force : scene.forces)
         forces_.push_back({nearest_step(force.from, scene.step), nearest_step(force.until, scene.step), force});
-        breaks_.push_back(forces_.back().from);
-        breaks_.push_back(forces_.back().until);
-    }
+    for_each_time(scene, [&](double time) { breaks_.push_back(nearest_step(time, scene.step)); });
     std::sort(breaks_.begin(), breaks_.end());
 }
 

@@ -78,13 +78,7 @@ Samples fine_samples(const SampledScene& scene, const char* integrator, int step
 }  // namespace
 
 SceneDescription with_events_at_steps(SceneDescription scene) {
-    const auto snap = [&](double& time) { time = time_of(nearest_step(time, scene.step), scene.step); };
-    for (ImpulseDescription& impulse : scene.impulses) snap(impulse.time);
-    for (ForceDescription& force : scene.forces) {
-        snap(force.from);
-        snap(force.until);
-    }
-    for (EventDescription& event : scene.events) snap(event.time);
+    for_each_time(scene, [&](double& time) { time = time_of(nearest_step(time, scene.step), scene.step); });
     return scene;
 }
 
@@ -132,16 +126,10 @@ SampledScene::SampledScene(SceneDescription scene) : scene_(with_events_at_steps
     require_no_events(scene_);
     // Events within the run must be at whole longer steps, too.
     std::vector<std::int64_t> event_steps;
-    const auto note = [&](double time) {
+    for_each_time(scene_, [&](double time) {
         const std::int64_t step = nearest_step(time, scene_.step);
         if (step < steps) event_steps.push_back(step);
-    };
-    for (const ImpulseDescription& impulse : scene_.impulses) note(impulse.time);
-    for (const ForceDescription& force : scene_.forces) {
-        note(force.from);
-        note(force.until);
-    }
-    for (const EventDescription& event : scene_.events) note(event.time);
+    });
     while ((steps >> (longest_ + 1)) >= sample_count &&
            std::all_of(event_steps.begin(), event_steps.end(),
                        [&](std::int64_t step) { return step % (std::int64_t{2} << longest_) == 0; }))
