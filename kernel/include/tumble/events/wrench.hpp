@@ -97,14 +97,28 @@ public:
     }
     // True of a body on which a force or torque acts in this step.
     [[nodiscard]] TUMBLE_INLINE bool act_on(int b) const { return body_[b].acts; }
-    // The change of drift and turn in this step.
-    [[nodiscard]] TUMBLE_INLINE const Kick& kick(int b) const {
-        return body_[b].varies() ? body_[b].next : body_[b].steady;
+    // The change of drift in this step.
+    [[nodiscard]] TUMBLE_INLINE const auto& drift(int b) const { return kick(b).linear; }
+    // The change of turn in a step, at the present orientation; `room` may hold it.
+    [[nodiscard]] TUMBLE_INLINE const auto& turn([[maybe_unused]] const auto& bodies, int b,
+                                                 [[maybe_unused]]
+                                                 typename N::TurnSum (&room)[3]) const requires rotation {
+        if constexpr (begins)
+            if (body_[b].begun.turning.has_torque()) {
+                for (int i = 0; i < 3; ++i) room[i] = kick(b).angular[i];
+                body_[b].begun.add_turn(room, bodies, b);
+                return std::as_const(room);
+            }
+        return kick(b).angular;
     }
 
     Work seconds, steps_per_second;  // of a step
 
 private:
+    // What is constant in this step.
+    [[nodiscard]] TUMBLE_INLINE const Kick& kick(int b) const {
+        return body_[b].varies() ? body_[b].next : body_[b].steady;
+    }
     struct Lasting {
         bool is_set = false, turns = false;  // not zero; its change of the motion depends on the orientation
         detail::Push<N> push{};              // of a step: N s or N m s; kept where it turns
@@ -126,6 +140,10 @@ private:
         template <class Self, class Visit>
         static void each(Self& self, Visit& visit) {
             visit(self.force, self.torque, self.moment);
+        }
+
+        [[nodiscard]] bool has_torque() const {
+            return !(torque.is_zero() && moment[0].is_zero() && moment[1].is_zero() && moment[2].is_zero());
         }
     };
     // Forces and torques that have begun and not ended.
@@ -168,26 +186,35 @@ private:
                 }
             }
         }
-        // Adds the change of drift and turn in this step, in the orientation of its middle.
-        void add_to(Kick& sum, const auto& bodies, int b) const {
+        // Adds the change of drift and turn in this step but for add_turn(). A force in the body's frame acts in the
+        // orientation of the middle, the angle u ahead to second order: half of 1 + (1 + u x)^2.
+        void add_to(Kick& sum, [[maybe_unused]] const auto& bodies, [[maybe_unused]] int b) const {
             for (int i = 0; i < 3; ++i) {
                 sum.linear[i] = N::held_sum(sum.linear[i], kick.linear[i]);
                 if constexpr (rotation) sum.angular[i] = N::held_sum(sum.angular[i], kick.angular[i]);
             }
             if constexpr (rotation) {
-                const auto add = [&]<bool angular>(Frame frame, const Block& v) {
-                    if (!v.is_zero()) add_in_the_middle<angular>(sum, bodies, b, {frame, true, v, {}});
-                };
-                add.template operator()<false>(Frame::body, turning.force);
-                add.template operator()<true>(Frame::world, turning.torque);
-                for (int i = 0; i < 3; ++i) {
-                    if (turning.moment[i].is_zero()) continue;
-                    const Block moment_b = turning.moment[i]
-                                               .rotated_back(bodies.state[b].q_wb.value())
-                                               .turned(-detail::half_turn<N>(bodies, b));
-                    add.template operator()<true>(Frame::body, cross(Block::of(i == 0, i == 1, i == 2), moment_b));
-                }
+                if (turning.force.is_zero()) return;
+                const auto u = detail::half_turn<N>(bodies, b);
+                (turning.force + turning.force.turned(u).turned(u))
+                    .times(N::half_of(Work(1)))
+                    .rotated(bodies.state[b].q_wb.value())
+                    .each_drift(bodies.constants[b].drift_per_impulse(), bodies.scale, false, add_in(sum.linear));
             }
+        }
+        // Adds the change of turn in a step, at the present orientation.
+        [[gnu::noinline]] void add_turn(typename N::TurnSum (&sum)[3], const auto& bodies, int b) const {
+            const auto q = bodies.state[b].q_wb.value();
+            Block torque_b = turning.torque.rotated_back(q);
+            for (int i = 0; i < 3; ++i)
+                if (!turning.moment[i].is_zero())
+                    torque_b = torque_b + cross(Block::of(i == 0, i == 1, i == 2), turning.moment[i].rotated_back(q));
+            torque_b.each_turn(bodies.constants[b].units, bodies.scale, false, add_in(sum));
+            [[maybe_unused]] bool within = true;  // else the spin leaves its range, too
+            for (int i = 0; i < 3; ++i) sum[i] = N::limited(sum[i], within);
+        }
+        [[nodiscard]] static auto add_in(auto& sum) {
+            return [&](int i, auto change, auto) { sum[i] = N::held_sum(sum[i], change); };
         }
     };
     struct Body {
