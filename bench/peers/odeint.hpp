@@ -28,7 +28,7 @@ template <class T>
 }
 
 // A top about its centre of mass: orientation (w, x, y, z, body to world) and angular velocity (body axes, rad/s). With
-// `forced`, the first of the scene's forces acts at a point of it, constant in the world.
+// `forced`, the force with which the scene's first event begins acts at a point of it, constant in the world.
 template <class Number, bool forced>
 struct TopEquations {
     using T = Number;
@@ -43,8 +43,8 @@ struct TopEquations {
         const auto& inertia = scene.bodies[0].inertia;
         TopEquations top{{as<T>(inertia.xx), as<T>(inertia.yy), as<T>(inertia.zz)}};
         if constexpr (forced) {
-            top.force = vector_as<T>(scene.forces[0].force);
-            top.arm = vector_as<T>(scene.forces[0].point);
+            top.force = vector_as<T>(scene.events[0].value);
+            top.arm = vector_as<T>(scene.events[0].point);
         }
         return top;
     }

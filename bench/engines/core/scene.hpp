@@ -71,16 +71,21 @@ struct Push {
     std::size_t body;
     Vec impulse;  // N s
 };
-inline constexpr auto scene_pushes = [] {
-    std::array<Push, Recorded::impulses.size()> all{};
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        const auto& impulse = Recorded::impulses[i];
-        const double steps = (impulse.time / Recorded::step.value).to_double();
-        all[i] = {static_cast<std::uint32_t>(steps + 0.5), static_cast<std::size_t>(int{impulse.body}),
-                  vec(impulse.impulse)};
-    }
-    return all;
-}();
+// Those of a scene whose events, if it has any, are impulses.
+template <class Data>
+constexpr auto pushes_of() {
+    if constexpr (requires { Data::events; }) {
+        std::array<Push, Data::events.size()> all{};
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const EventSpec& event = Data::events[i];
+            const double steps = (event.time / Data::step.value).to_double();
+            all[i] = {static_cast<std::uint32_t>(steps + 0.5), static_cast<std::size_t>(int{event.body}),
+                      vec(event.value)};
+        }
+        return all;
+    } else return std::array<Push, 0>{};
+}
+inline constexpr auto scene_pushes = pushes_of<Recorded>();
 
 inline constexpr Vec gravity = vec(Recorded::world.gravity);  // m/s^2
 inline constexpr float friction = Recorded::world.contact.friction.to_float();
