@@ -8,7 +8,7 @@
 #   TUMBLE_RANGES                      the ranges of fixed point, the smallest first
 #   TUMBLE_RANGED_SYSTEMS              the number systems, those in integers once for each range: q32_near, ..., f64
 # A list is read entry by entry; line breaks do not matter. Text that is not an entry stops the build. A test compares
-# the result with the compiled headers (tests/kernel/lists_test.cpp).
+# the result with the compiled headers (tests/kernel/worlds/lists_test.cpp).
 set(kernel_headers ${CMAKE_CURRENT_LIST_DIR}/include/tumble)
 
 # The text of a header without its comments. When the header changes, the build is configured again.

@@ -11,6 +11,8 @@ namespace tumble::test {
 namespace fields {
 namespace {
 
+using tumble::Field;
+
 // A plane with a field more: one member and one line.
 struct SoftPlane {
     RealVec3 normal{0, 1, 0};

@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-namespace tumble::test {
+namespace tumble::test::controls {
 namespace {
 
 // One method of each way to rotate and to coast, in each kind of numbers.
@@ -647,4 +647,4 @@ TEST(Ids, of_planes_and_springs_count_from_zero_and_are_false_without_room) {
 }
 
 }  // namespace
-}  // namespace tumble::test
+}  // namespace tumble::test::controls
