@@ -28,10 +28,6 @@ std::string joint_text(const JointDescription& description, const AnyJointSpec& 
     return "        tumble::" + kind + "Spec{   // " + cpp_text(description.name) + "\n" + text + "        },\n";
 }
 
-std::string comment_of(const BodyDescription& body) { return "   // " + cpp_text(body.name); }
-std::string comment_of(const PlaneDescription& plane) { return "   // " + cpp_text(plane.name); }
-std::string comment_of(const auto&) { return ""; }
-
 // The words that C++ has taken.
 const std::set<std::string>& cpp_words() {
     static const std::set<std::string> taken = [] {
@@ -92,29 +88,25 @@ std::string joints_text(const std::vector<JointDescription>& descriptions, const
     return text + "    };\n" + ids + "    };\n";
 }
 
-// A std::array of specs; item(i) is what follows the opening brace of spec i.
-template <class Spec, class Item>
-std::string array_text(const char* type, const char* name, const std::vector<Spec>& specs, Item&& item) {
+// A std::array of specs, each with the name of what it was made from in a comment, if that has one.
+template <class Spec, class From = Spec>
+std::string list_text(const char* type, const char* name, const std::vector<Spec>& specs,
+                      [[maybe_unused]] const std::vector<From>& from = {}) {
     std::string list = "    static constexpr std::array<tumble::" + std::string(type) + ", " +
                        std::to_string(specs.size()) + "> " + name + "{";
     if (specs.empty()) return list + "};\n";
     list += "{\n";
-    for (std::size_t i = 0; i < specs.size(); ++i) list += "        {" + item(i) + "        },\n";
+    for (std::size_t i = 0; i < specs.size(); ++i) {
+        list += "        {";
+        if constexpr (requires { from[i].name; }) list += "   // " + cpp_text(from[i].name);
+        list += "\n" + cpp_fields(specs[i]) + "        },\n";
+    }
     return list + "    }};\n";
 }
-
-// The same with the name of each description in a comment.
-template <class Description, class Spec>
-std::string list_text(const char* type, const char* name, const std::vector<Description>& descriptions,
-                      const std::vector<Spec>& specs) {
-    return array_text(type, name, specs,
-                      [&](std::size_t i) { return comment_of(descriptions[i]) + "\n" + cpp_fields(specs[i]); });
-}
-
-// The same of specs that stand for keys of bodies; nothing where there are none.
+// The same, but nothing where there are none.
 template <class Spec>
-std::string list_text(const char* type, const char* name, const std::vector<Spec>& specs) {
-    return specs.empty() ? "" : list_text(type, name, specs, specs);
+std::string some_text(const char* type, const char* name, const std::vector<Spec>& specs) {
+    return specs.empty() ? "" : list_text(type, name, specs);
 }
 
 // What the loads have that a scene names by keys of bodies or by a table.
@@ -123,7 +115,7 @@ std::string loads_text(const SceneData& data) {
     if (!data.softening.is_zero())
         text = "    static constexpr tumble::Real softening{" + in_cpp(data.softening) + "};   // m\n";
     if (!data.drags.empty()) text += "    static constexpr tumble::RealVec3 wind" + in_cpp(data.wind) + ";   // m/s\n";
-    text += list_text("DragSpec", "drags", data.drags) + list_text("WheelsSpec", "wheels", data.wheels);
+    text += some_text("DragSpec", "drags", data.drags) + some_text("WheelsSpec", "wheels", data.wheels);
     if (!data.orbit.rate.is_zero())
         text += "    static constexpr tumble::OrbitSpec orbit{\n" + cpp_fields(data.orbit, "        ") + "    };\n";
     return text;
@@ -167,15 +159,13 @@ std::string config_text(const SceneDescription& scene, const SceneData& data, co
         "    struct Config : tumble::Scene {\n        using Numbers = " +
         numbers.type + ";\n        using Integrator = " + integrator.type +
         ";\n        static constexpr tumble::Seconds step" + step_in_cpp(scene.step) + ";\n";
-    text += "        static constexpr tumble::Features features{\n";
+    std::string features;
     Features::for_each([&]<class T>(const char* name, T Features::*member) {
         const T value = needed.*member, usual = Features{}.*member;
-        if (std::is_same_v<T, bool> ? value == usual : value == 0 && usual == 0) return;
-        std::ostringstream line;
-        line << std::boolalpha << "            ." << name << " = " << value << ",\n";
-        text += line.str();
+        if (std::is_same_v<T, bool> ? value != usual : value > 0 || usual > 0)
+            features += std::string("            .") + name + " = " + in_cpp(value) + ",\n";
     });
-    return text + "        };\n    };\n";
+    return text + "        static constexpr tumble::Features features{\n" + features + "        };\n    };\n";
 }
 
 // Is it a name in C++ that no member of the struct has, and no namespace that it names?
@@ -232,10 +222,10 @@ std::string compiled_scene(const SceneDescription& scene, const Choice& choice, 
          << ";\n    static constexpr std::uint32_t steps = " << data.steps << "u;\n"
          << "    static constexpr tumble::WorldSpec world{\n"
          << cpp_fields(data.world, "        ") << "    };\n"
-         << list_text("BodySpec", "bodies", scene.bodies, bodies) << ids_text(scene.bodies)
-         << list_text("PlaneSpec", "planes", scene.planes, data.planes)
-         << list_text("SpringSpec", "springs", scene.springs, data.springs) << joints_text(scene.joints, data.joints)
-         << loads_text(data) << list_text("EventSpec", "events", data.events) << "\n"
+         << list_text("BodySpec", "bodies", bodies, scene.bodies) << ids_text(scene.bodies)
+         << list_text("PlaneSpec", "planes", data.planes, scene.planes)
+         << list_text("SpringSpec", "springs", data.springs) << joints_text(scene.joints, data.joints)
+         << loads_text(data) << some_text("EventSpec", "events", data.events) << "\n"
          << config_text(scene, data, numbers, integrator) << "};\n\n}  // namespace tumble::scenes\n";
     return text.str();
 }

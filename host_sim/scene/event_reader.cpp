@@ -66,7 +66,6 @@ void check_joint_event(Table& table, EventDescription& event, const std::string&
 }  // namespace
 
 EventDescription read_event(Table table, const SceneDescription& scene, RangeDescription& range, bool live) {
-    static const Words<Frame> frames{{"world", Frame::world}, {"body", Frame::body}};
     EventDescription event;
     std::string body, joint;
     if (!live) table.required("time", event.time, seconds);
@@ -78,7 +77,7 @@ EventDescription read_event(Table table, const SceneDescription& scene, RangeDes
     else table.optional("joint", joint);
     if (acts_on_a_joint) table.optional("value", event.value, any_triple);
     else table.required("value", event.value, any_triple);
-    table.optional("frame", event.frame, frames);
+    table.optional("frame", event.frame, words<Frame>);
     table.optional("point", event.point, metres);
     const bool has_orientation = table.optional("orientation", event.orientation, any_quaternion);
     table.finish();

@@ -127,9 +127,6 @@ inline std::string in_cpp(const InertiaTensor& i, const BodySpec& of) {
 }
 std::string in_cpp(const auto& value, const auto&) { return in_cpp(value); }
 
-bool is_written(const auto& value, const auto& usual) { return !(value == usual); }
-inline bool is_written(BodyIndex body, BodyIndex) { return body >= 0; }
-
 // The fields of a spec that differ from their default, and the bodies that it names.
 template <class Spec>
 std::string cpp_fields(const Spec& spec, const std::string& indent = "            ") {
@@ -141,7 +138,7 @@ std::string cpp_fields(const Spec& spec, const std::string& indent = "          
             if constexpr (requires { T::each([](auto&&...) {}, value); }) {
                 const std::string inner = cpp_fields(value, deeper);
                 if (!inner.empty()) text += name + "{\n" + inner + indent + "},\n";
-            } else if (is_written(value, usual)) {
+            } else if (field.kind == Field::body ? in_cpp(value, spec) != "-1" : !(value == usual)) {
                 const std::string comment = std::is_same_v<T, RealQuat> ? "w, x, y, z" : field.unit;
                 text += name + in_cpp(value, spec) + "," + (comment.empty() ? "" : "   // " + comment) + "\n";
             }

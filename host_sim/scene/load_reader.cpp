@@ -11,8 +11,6 @@ constexpr Quantity newton_metres{Quantity::any, "N m", "x, y, z"};
 constexpr Quantity newton_seconds{Quantity::any, "N s", "x, y, z"};
 constexpr Quantity newton_metre_seconds{Quantity::any, "N m s", "x, y, z"};
 
-const Words<Frame> frames{{"world", Frame::world}, {"body", Frame::body}};
-
 // A point mass has no axes, so the frame of its impulses and forces cannot be "body".
 void refuse_body_frame(Table& table, Frame frame, const BodyDescription& body) {
     if (body.is_point_mass() && frame == Frame::body)
@@ -98,7 +96,7 @@ ImpulseDescription read_impulse(Table table, const SceneDescription& scene) {
     table.required("time", impulse.time, seconds);
     table.required("body", body);
     const bool has_impulse = table.optional("impulse", impulse.impulse, newton_seconds);
-    table.optional("frame", impulse.frame, frames);
+    table.optional("frame", impulse.frame, words<Frame>);
     table.optional("point", impulse.point, metres);
     const bool has_face = table.optional("face", face, faces);
     const bool has_strength = table.optional("strength", strength, Quantity{Quantity::positive, "N s"});
@@ -128,7 +126,7 @@ ForceDescription read_force(Table table, const SceneDescription& scene) {
     table.optional("from", force.from, seconds);
     table.required("until", force.until, seconds);
     const bool has_force = table.optional("force", force.force, newtons);
-    table.optional("frame", force.frame, frames);
+    table.optional("frame", force.frame, words<Frame>);
     table.optional("point", force.point, metres);
     const bool has_torque = table.optional("torque", force.torque, newton_metres);
     table.finish();
