@@ -127,7 +127,27 @@ inline std::string in_cpp(const InertiaTensor& i, const BodySpec& of) {
 }
 std::string in_cpp(const auto& value, const auto&) { return in_cpp(value); }
 
-// The fields of a spec that differ from their default, and the bodies that it names.
+// The unit of a field; that of an event's value is its kind's.
+inline std::string unit_of(const Field& field, const auto&) { return field.unit; }
+inline std::string unit_of(const Field& field, const EventSpec& event) {
+    if (field.kind == Field::body) return has_joint(event.kind) ? "the joint" : "";
+    if (std::string_view{field.name} != "value") return field.unit;
+    switch (event.kind) {
+    case EventKind::impulse: return "N s";
+    case EventKind::angular_impulse: return "N m s";
+    case EventKind::torque:
+    case EventKind::step_torque:
+    case EventKind::begin_torque:
+    case EventKind::end_torque: return "N m";
+    case EventKind::velocity: return "m/s";
+    case EventKind::angular_velocity: return "rad/s";
+    case EventKind::gravity: return "m/s^2";
+    case EventKind::pose: return "m";
+    default: return "N";
+    }
+}
+
+// The fields of a spec that differ from their default, masses, kinds of events, and the bodies that it names.
 template <class Spec>
 std::string cpp_fields(const Spec& spec, const std::string& indent = "            ") {
     static const Spec usual_spec{};
@@ -135,11 +155,13 @@ std::string cpp_fields(const Spec& spec, const std::string& indent = "          
     Spec::each(
         [&]<class T>(Field field, const T& value, const T& usual) {
             const std::string name = indent + "." + field.name + " = ", deeper = indent + "    ";
+            const bool is_mass = std::is_same_v<Spec, BodySpec> && field.kind == Field::positive;
             if constexpr (requires { T::each([](auto&&...) {}, value); }) {
                 const std::string inner = cpp_fields(value, deeper);
                 if (!inner.empty()) text += name + "{\n" + inner + indent + "},\n";
-            } else if (field.kind == Field::body ? in_cpp(value, spec) != "-1" : !(value == usual)) {
-                const std::string comment = std::is_same_v<T, RealQuat> ? "w, x, y, z" : field.unit;
+            } else if (field.kind == Field::body ? in_cpp(value, spec) != "-1"
+                                                 : std::is_same_v<T, EventKind> || is_mass || !(value == usual)) {
+                const std::string comment = std::is_same_v<T, RealQuat> ? "w, x, y, z" : unit_of(field, spec);
                 text += name + in_cpp(value, spec) + "," + (comment.empty() ? "" : "   // " + comment) + "\n";
             }
         },

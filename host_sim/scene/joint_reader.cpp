@@ -23,7 +23,7 @@ struct KindRow {
     const char* no_spring;
 };
 const KindRow& row_of(JointKind kind) {
-    static constexpr const char* const no_one_angle = "limits are there of a hinge and a slider alone";
+    static constexpr const char* const no_one_angle = "only a hinge and a slider have limits";
     static constexpr KindRow hinge{"a hinge turns about it", "", "", ""},
         ball{"", "a ball turns about any axis", no_one_angle, ""},
         fixed{"", "a fixed joint has no free direction", "a fixed joint has no free direction",
@@ -83,7 +83,7 @@ void refuse_what_is_not_there(Table& table) {
                                                                {"collide", "jointed bodies touch nothing yet"}};
     for (const auto& [key, reason] : missing)
         if (table.has(key))
-            table.at(key).fail(reason, "of what acts in a joint limits, spring, break_force or break_torque");
+            table.at(key).fail(reason, "none: what acts in a joint is limits, spring, break_force and break_torque");
 }
 
 void read_point(Table& table, const char* key, Triple& point, bool is_required) {
@@ -316,12 +316,12 @@ void refuse_what_the_kind_has_not(Table& table, JointKind kind) {
     };
     refuse("anchor", !is_distance, "point and to_point, its two ends");
     refuse("axis", *row.axis != 0, std::string("no axis: ") + row.no_axis);
-    refuse("to_axis", kind == JointKind::universal, "it for a universal joint alone");
+    refuse("to_axis", kind == JointKind::universal, "none: only a universal joint has one");
     for (const char* key : {"point", "to_point"}) refuse(key, is_distance, "anchor, the point that both sides keep");
-    for (const char* key : {"length", "least", "most"}) refuse(key, is_distance, "it for a distance alone");
+    for (const char* key : {"length", "least", "most"}) refuse(key, is_distance, "none: only a distance has one");
     refuse("limits", *row.no_limits == 0, std::string("no limits: ") + row.no_limits);
     refuse("spring", *row.no_spring == 0, std::string("no spring: ") + row.no_spring);
-    refuse("to_spring", kind == JointKind::universal, "it for a universal joint alone, which has a second axis");
+    refuse("to_spring", kind == JointKind::universal, "none: only a universal joint has a second axis");
     refuse("break_torque", !is_distance, "break_force: a distance carries no torque");
 }
 

@@ -129,7 +129,9 @@ public:
     // are skipped. The bodies must have been added. With Features::impulses or Features::forces in place of
     // Features::script, it has events of these kinds alone.
     constexpr void set_script(Span<Event<N>> events) {
-        static_assert(features.has_script(), "set_script() needs .script = true among the scene's features");
+        static_assert(
+            features.has_script(),
+            "set_script() needs .script = true, .impulses = true or .forces = true among the scene's features");
         for (const Event<N>& event : events) {
             TUMBLE_ASSERT(Required::may_script(event.kind));
             Required::by(event.kind);

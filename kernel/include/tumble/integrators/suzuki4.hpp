@@ -28,7 +28,7 @@ struct Suzuki4Parts {
 
 namespace integrators {
 
-// Five steps of verlet in one: order 4, the accurate choice when torques act. No division, no square root.
+// Five steps of verlet in one: order 4, the accurate choice where loads turn a body. No division, no square root.
 struct Suzuki4 : KickDriftKick<Composed<SymmetricTopFlow, tumble::detail::Suzuki4Parts>, tumble::detail::Suzuki4Parts> {
     static constexpr const char* name = "suzuki4";
     static constexpr int order = 4;
