@@ -150,9 +150,9 @@ struct Features {
     [[nodiscard]] constexpr bool has_joint_springs() const { return has_joints() && joint_springs; }
     // True if the world may have a script.
     [[nodiscard]] constexpr bool has_script() const { return forces || impulses || script; }
-    // True if a load may push bodies: anything but gravity and what events set.
+    // True if anything other than gravity and control may push bodies.
     [[nodiscard]] constexpr bool loads() const {
-        return bodies > 0 && (drag || gravitation || air || gravity_gradient || wheels || springs > 0 ||
+        return bodies > 0 && (drag || gravitation || air || gravity_gradient || wheels || forces || springs > 0 ||
                               springs_touch() || has_joint_springs());
     }
     // Every pair of a body with a plane, and with another body where these may touch.

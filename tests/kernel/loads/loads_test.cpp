@@ -156,7 +156,7 @@ TEST_P(Loads, a_body_frame_force_turns_with_the_body_and_a_world_frame_force_doe
     BodySpec body = placed(sphere(2, 0.5), {}, {}, {0, 0, pi});
     setup.bodies = {body};
     setup.forces = {{.from = 0.0, .until = 10.0, .frame = Frame::body, .force = {4, 0, 0}}};
-    const Bound of_method = 2 * tolerance::method_error(std::min(order(), 2), pi / 512, 2 * pi);
+    const Bound of_method = 2 * tolerance::method_error(order(), pi / 512, 2 * pi);
     auto world = build(setup, GetParam());
     world->run(1024);
     EXPECT_LE(norm(world->motion(0).v), of_method + 2 * tolerance::loaded_flight.of(system()));
@@ -185,7 +185,7 @@ TEST_P(Loads, a_force_off_centre_and_a_torque_turn_the_body) {
     turned->run(256);
     const Motion m = turned->motion(0);
     EXPECT_LE(norm(m.q.rotate(m.w) - Vector{0, 0, 1}),
-              tolerance::method_error(std::min(order(), 2), 1.0L / 256, 1) + 4 * tolerance::loaded_flight.of(system()));
+              tolerance::method_error(order(), 1.0L / 256, 1) + 4 * tolerance::loaded_flight.of(system()));
 }
 
 TEST_P(Loads, a_timed_force_acts_from_its_first_step_until_before_its_last) {

@@ -23,7 +23,7 @@ public:
     using Base::begin, Base::end, Base::note_moving, Base::place, Base::step_turntable, Base::free_body, Base::alone,
         Base::group, Base::portion, Base::step_trees;
     using Base::bodies, Base::loads, Base::wrenches, Base::joints, Base::spin, Base::has_loads, Base::has_own_loads,
-        Base::has_wrenches, Base::sets_gravity, Base::has_joints, Base::may_couple;
+        Base::has_wrenches, Base::has_joints, Base::may_couple;
     using Base::check_range, Base::disturb, Base::spin_changed, Base::spins_changed;
     using Base::find_bodies_of_trees, Base::has_moving_end, Base::is_coupled, Base::steps_with_trees,
         Base::touches_with_coupled;
@@ -62,8 +62,7 @@ public:
     static void archive(Self& self, Archive& to) {
         if constexpr (prepares_spin())
             for (int b = 0; b < self.bodies.count; ++b) to(self.inertia_[b]);
-        if constexpr (has_wrenches) to(self.wrenches);
-        if constexpr (sets_gravity) to(self.gravity_);
+        if constexpr (has_wrenches) to(self.wrenches, self.gravity_);
         if constexpr (has_loads) Loads::archive(self.loads, to);
         if constexpr (has_joints) {
             Joints::archive(self.joints, self.bodies, to);
@@ -76,7 +75,7 @@ public:
     }
     // Adds gravity to the digest of a scene, where no event changes it, and the joints.
     void add_to([[maybe_unused]] detail::Digest& digest) const {
-        if constexpr (!sets_gravity)
+        if constexpr (!has_wrenches)
             for (const DriftSum& fall : gravity_) digest.add_number(fall);
         if constexpr (has_joints) joints.add_to(digest);
         if constexpr (features.has_joint_springs()) loads.joint_springs().add_to(digest);

@@ -50,7 +50,7 @@ public:
     void driven(int b, const StepInfo<N>& info, const DriftSum (&fall)[3], const Part&... part) requires(has_wrenches) {
         DriftSum all[3];
         for (int i = 0; i < 3; ++i) {
-            const DriftSum change = over_part(wrenches.drift(b)[i], part...);
+            const DriftSum change = over_part(wrenches.kick(b).linear[i], part...);
             all[i] = fall[i] + (fall_in_halves ? N::half(change) : change);
         }
         coast<dragged>(b, all);
@@ -69,8 +69,7 @@ public:
     }
     template <class... Part>
     void half_turn_by_wrenches(int b, const Part&... part) requires(has_wrenches&& rotation) {
-        TurnSum room[3];
-        const TurnSum(&change)[3] = wrenches.turn(bodies, b, room);
+        const TurnSum(&change)[3] = wrenches.kick(b).angular;
         if (change[0] == TurnSum{} && change[1] == TurnSum{} && change[2] == TurnSum{}) return;
         const int halvings = bodies.halvings_of(b);
         for (int i = 0; i < 3; ++i)

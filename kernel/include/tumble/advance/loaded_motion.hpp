@@ -28,11 +28,9 @@ public:
     // Adds the change of motion by wrenches in a step.
     void add_wrenches(int b, Kick<N>& kick) const requires(has_wrenches) {
         if (!wrenches.act_on(b)) return;
-        for (int i = 0; i < 3; ++i) kick.linear[i] += wrenches.drift(b)[i];
-        if constexpr (rotation) {
-            typename N::TurnSum room[3];
-            const auto& turn = wrenches.turn(bodies, b, room);
-            for (int i = 0; i < 3; ++i) kick.angular[i] += turn[i];
+        for (int i = 0; i < 3; ++i) {
+            kick.linear[i] += wrenches.kick(b).linear[i];
+            if constexpr (rotation) kick.angular[i] += wrenches.kick(b).angular[i];
         }
     }
     // True of a body that feels a load, which is evaluated at stages.
@@ -122,7 +120,7 @@ private:
             const int b = group.id[k];
             if (!wrenches.act_on(b)) continue;
             for (int i = 0; i < 3; ++i)
-                N::add(bodies.state[b].d_w[i], N::half(over_part(wrenches.drift(b)[i], part...)));
+                N::add(bodies.state[b].d_w[i], N::half(over_part(wrenches.kick(b).linear[i], part...)));
             if constexpr (rotation)
                 if (bodies.rotates(b)) half_turn_by_wrenches(b, part...);
         }

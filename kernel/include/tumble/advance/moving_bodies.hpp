@@ -21,9 +21,7 @@ public:
     static constexpr Features features = S::features;
     static constexpr bool has_loads = detail::has_loads<S>, rotation = features.rotation,
                           has_own_loads = detail::OwnLoads<S>::List::count > 0,
-                          sets_gravity = features.control && features.bodies > 0,
-                          has_wrenches = sets_gravity || (features.forces && features.bodies > 0),
-                          has_joints = features.has_joints();
+                          has_wrenches = features.control && features.bodies > 0, has_joints = features.has_joints();
     static constexpr bool keeps_kicks = has_loads && requires { Integrator::keeps_kick; };
     static constexpr Spin spin = rotation ? Integrator::spin : Spin::none;
     using State = BodyState<N, spin>;
@@ -53,7 +51,7 @@ public:
         }
     }
     // The same of a program's numbers. False where it is what it was.
-    bool set_gravity(const VectorBlock<N>& gravity) requires(sets_gravity) {
+    bool set_gravity(const VectorBlock<N>& gravity) requires(has_wrenches) {
         const Work seconds = wrenches.seconds;
         bool within = true, same = true;
         gravity.times(seconds).each_drift(fall_in_halves ? N::half_of(seconds) : seconds, bodies.scale, false,
@@ -136,7 +134,7 @@ public:
     [[no_unique_address]] If<rotation, typename detail::RoomFor<Inertia, features.bodies>::Array, 1> inertia_{};
     [[no_unique_address]] If<may_tumble, Inertia, 13> sphere_{};  // of a fixed body that would tumble
     [[no_unique_address]] If<has_loads, Loads, 0> loads;
-    [[no_unique_address]] If<has_wrenches, Wrenches<N, rotation, features.bodies, features.forces>, 6> wrenches;
+    [[no_unique_address]] If<has_wrenches, Wrenches<N, rotation, features.bodies>, 6> wrenches;
     [[no_unique_address]] If<has_joints, Joints, 14> joints;
 };
 

@@ -3,6 +3,7 @@
 
 #include <tumble/body/bodies.hpp>
 #include <tumble/loads/air.hpp>
+#include <tumble/loads/begun_force.hpp>
 #include <tumble/loads/contact_spring.hpp>
 #include <tumble/loads/drag.hpp>
 #include <tumble/loads/gravitation.hpp>
@@ -29,6 +30,7 @@ public:
     using Springs = tumble::Springs<N, features.springs, features.bodies>;
     using JointSprings = tumble::JointSprings<N, features.joints, features.bodies>;
     using Drag = tumble::Drag<N, features.bodies>;
+    using Begun = BegunForces<N, features.rotation, features.bodies>;
     using Contacts = ContactSprings<N, spin, features>;
     template <bool present, class Load>
     using Only = std::conditional_t<present, LoadList<Load>, LoadList<>>;
@@ -37,11 +39,12 @@ public:
                              Only<features.gravity_gradient, GravityGradient<N, features.bodies>>{} +
                              Only<features.wheels, Wheels<N, features.bodies>>{});
     // All, in the order of the sum: those of the kernel that depend on the velocity come last.
-    using Loads = detail::HeldLoads<decltype(Only<features.gravitation, Gravitation>{} + Changed{} +
-                                             Only<(features.springs > 0), Springs>{} +
-                                             Only<features.has_joint_springs(), JointSprings>{} +
-                                             Only<features.drag, Drag>{} + Only<features.springs_touch(), Contacts>{}),
-                                    Bodies>;
+    using Loads =
+        detail::HeldLoads<decltype(Only<features.gravitation, Gravitation>{} + Only<features.forces, Begun>{} +
+                                   Changed{} + Only<(features.springs > 0), Springs>{} +
+                                   Only<features.has_joint_springs(), JointSprings>{} + Only<features.drag, Drag>{} +
+                                   Only<features.springs_touch(), Contacts>{}),
+                          Bodies>;
     static constexpr bool may_depend_on_velocity = Loads::may_depend_on_velocity;
     // Whether a load may couple two bodies that move.
     static constexpr bool may_couple = features.bodies > 1 && Loads::may_couple;
@@ -103,6 +106,7 @@ public:
     [[nodiscard]] constexpr const auto& gravitation() const { return get<Gravitation>(); }
     [[nodiscard]] constexpr auto& contacts() { return get<Contacts>(); }
     [[nodiscard]] constexpr const auto& contacts() const { return get<Contacts>(); }
+    [[nodiscard]] auto& begun_forces() { return get<Begun>(); }
     [[nodiscard]] constexpr auto& joint_springs() { return get<JointSprings>(); }
     [[nodiscard]] constexpr const auto& joint_springs() const { return get<JointSprings>(); }
     [[nodiscard]] constexpr const auto& springs() const { return get<Springs>(); }

@@ -109,7 +109,7 @@ protected:
         if constexpr (features.recording)
             if (recording_ != nullptr)
                 recording_->append({EventKind::gravity, Frame::world, {}, gravity, {}, {}}, now());
-        if constexpr (Advance::sets_gravity) {
+        if constexpr (Advance::has_wrenches) {
             if (!advance_.set_gravity(gravity.block())) return;
             if constexpr (has_contacts) {
                 tell_gravity();
@@ -136,17 +136,17 @@ protected:
         if constexpr (is_wrench(kind)) {
             Required::by(kind);
             if (bodies.constants[b].fixed()) return;
-            if constexpr (Advance::has_wrenches) {
-                constexpr bool angular = kind == Kind::torque || kind == Kind::step_torque ||
-                                         kind == Kind::begin_torque || kind == Kind::end_torque;
-                auto& wrenches = advance_.wrenches;
+            constexpr bool angular = kind == Kind::torque || kind == Kind::step_torque || kind == Kind::begin_torque ||
+                                     kind == Kind::end_torque;
+            if constexpr (is_timed(kind)) {
+                if constexpr (features.forces)
+                    advance_.loads.begun_forces().template begin_or_end<angular>(
+                        bodies, b, frame, value.block(), point.block(), seconds(),
+                        kind == Kind::end_force || kind == Kind::end_torque);
+            } else if constexpr (Advance::has_wrenches) {
                 if constexpr (kind == Kind::force || kind == Kind::torque)
-                    wrenches.template set<angular>(bodies, b, frame, value.block(), point.block());
-                else if constexpr (kind == Kind::step_force || kind == Kind::step_torque)
-                    wrenches.template add<angular>(bodies, b, frame, value.block(), point.block());
-                else if constexpr (features.forces)
-                    wrenches.template begin_or_end<angular>(bodies, b, frame, value.block(), point.block(),
-                                                            kind == Kind::end_force || kind == Kind::end_torque);
+                    advance_.wrenches.template set<angular>(bodies, b, frame, value.block(), point.block());
+                else advance_.wrenches.template add<angular>(bodies, b, frame, value.block(), point.block());
             }
             return disturb(b);
         } else if constexpr (kind == Kind::remove) {
