@@ -139,7 +139,7 @@ protected:
             constexpr bool angular = kind == Kind::torque || kind == Kind::step_torque || kind == Kind::begin_torque ||
                                      kind == Kind::end_torque;
             if constexpr (is_timed(kind)) {
-                if constexpr (features.forces)
+                if constexpr (features.forces && features.bodies > 0)
                     advance_.loads.begun_forces().template begin_or_end<angular>(
                         bodies, b, frame, value.block(), point.block(), seconds(),
                         kind == Kind::end_force || kind == Kind::end_torque);
