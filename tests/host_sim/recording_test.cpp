@@ -18,8 +18,8 @@ constexpr std::array kinds{EventKind::impulse,  EventKind::angular_impulse,  Eve
                            EventKind::torque,   EventKind::step_force,       EventKind::step_torque,
                            EventKind::velocity, EventKind::angular_velocity, EventKind::pose,
                            EventKind::gravity};
-// All but the removal of a body.
-static_assert(kinds.size() == static_cast<std::size_t>(EventKind::gravity), "a scene has these kinds");
+// All but the removal of a body, and those of [[force]].
+static_assert(kinds.size() == static_cast<std::size_t>(EventKind::gravity) - 4, "a scene has these kinds");
 
 constexpr std::array bodies_of_all_kinds{
     "shape = \"none\"\nmass = 0.5\n",

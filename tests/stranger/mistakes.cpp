@@ -20,6 +20,7 @@
 #define COUPLES_ALONE 16
 #define SET_BODY_OF_A_LOAD 17
 #define LOAD_WITHOUT_FORCE 18
+#define EACH_OF_A_LOAD 19
 
 using namespace tumble::literals;
 
@@ -51,6 +52,8 @@ struct Wind {
     [[nodiscard]] bool couples(const auto&, int) const { return true; }
 #elif MISTAKE == SET_BODY_OF_A_LOAD
     void set_body(int) {}
+#elif MISTAKE == EACH_OF_A_LOAD
+    void each(auto&) {}
 #endif
 };
 struct Windy : tumble::Scene {

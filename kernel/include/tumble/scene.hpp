@@ -35,7 +35,7 @@ struct Features {
     bool gravity_gradient = false;  // torque on a long body in orbit: GravityGradient
     bool wheels = false;            // stored angular momentum of each body: Wheels
     // --- a drone: what a program does and reads ---
-    bool forces = false;     // a script may have forces and torques that begin and end
+    bool forces = false;     // forces and torques may begin and end, in a script or by World::apply()
     bool impulses = false;   // a script may have impulses and angular impulses
     bool control = false;    // the program sets forces, torques and gravity while it runs
     bool script = false;     // a script may have events of every kind: World::set_script()

@@ -126,8 +126,9 @@ public:
     }
     // Sets the script for the steps to come, in place of the one before: events of every kind, sorted by step, in an
     // array that outlives their use. Each step first applies its events, as apply() does. Events before the next step
-    // are skipped. The bodies must have been added. With Features::impulses or Features::forces in place of
-    // Features::script, it has events of these kinds alone.
+    // are skipped. Where there are any, the forces act that they have begun and not ended, in place of all others that
+    // have begun; else those go on. The bodies must have been added. With Features::impulses or Features::forces in
+    // place of Features::script, it has events of these kinds alone.
     constexpr void set_script(Span<Event<N>> events) {
         static_assert(
             features.has_script(),
@@ -138,6 +139,7 @@ public:
         }
         require_bodies(events);
         script_.set(events, now());
+        if (script_.for_each_passed([](const Event<N>&) {})) Base::begin_forces_again();
     }
     // Appends every event from now on, live or of the script, to `recording`; null: no longer. The recording is a
     // script that brings a copy of this world to the same state. What no event holds is misuse meanwhile: to add

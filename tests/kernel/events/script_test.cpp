@@ -400,6 +400,83 @@ TYPED_TEST(TimedForces, whose_times_lie_between_steps_give_the_impulse_of_the_ne
     }
 }
 
+TYPED_TEST(TimedForces, of_a_script_that_is_set_late_act_where_they_have_begun) {
+    Pushed<TypeParam> world{Seconds{1, 256}};
+    const BodyId id = world.add(skew_top());
+    const std::array specs{
+        EventSpec{.time = 0, .kind = EventKind::begin_force, .value = {64, 0, 0}},
+        EventSpec{.time = 200.0 / 256, .kind = EventKind::end_force, .value = {64, 0, 0}},
+        EventSpec{.time = 100.0 / 256, .kind = EventKind::begin_force, .value = {0, 32, 0}},
+        EventSpec{.time = 300.0 / 256, .kind = EventKind::end_force, .value = {0, 32, 0}},
+        EventSpec{.time = 10.0 / 256, .kind = EventKind::begin_force, .value = {0, 0, 16}},
+        EventSpec{.time = 20.0 / 256, .kind = EventKind::end_force, .value = {0, 0, 16}},
+    };
+    std::vector<Event<TypeParam>> events;
+    const auto script = prepare_sorted(events, specs, world.bodies());
+    for (int step = 0; step < 150; ++step) world.step();
+    // Twice is as once.
+    world.set_script(script);
+    world.set_script(script);
+    for (int step = 150; step < 400; ++step) world.step();
+    const auto v = world.velocity(id);
+    EXPECT_EQ(static_cast<double>(v.x), 0.5 + 50 * 0.125);
+    EXPECT_EQ(static_cast<double>(v.y), 150 * 0.0625);
+    EXPECT_EQ(static_cast<double>(v.z), -1);
+}
+
+TYPED_TEST(TimedForces, go_on_in_a_script_of_later_events_alone) {
+    Pushed<TypeParam> world{Seconds{1, 256}};
+    const BodyId id = world.add(skew_top());
+    const auto event = [&](int step, EventKind kind) {
+        Event<TypeParam> e = world.prepare({.kind = kind, .value = {64, 0, 0}});
+        e.step = static_cast<std::uint64_t>(step);
+        return e;
+    };
+    const std::array pieces{event(3, EventKind::begin_force), event(9, EventKind::end_force)};
+    world.set_script({&pieces[0], 1});
+    for (int step = 0; step < 6; ++step) world.step();
+    world.set_script({&pieces[1], 1});
+    for (int step = 6; step < 20; ++step) world.step();
+    EXPECT_EQ(static_cast<double>(world.velocity(id).x), 0.5 + 6 * 0.125);
+}
+
+TYPED_TEST(TimedForces, act_by_the_script_after_a_snapshot_of_bodies) {
+    using Saved = World<SceneOf<TypeParam, integrators::Verlet, Features{.forces = true, .snapshots = true}>>;
+    Saved world{Seconds{1, 256}}, other{Seconds{1, 256}};
+    for (Saved* w : {&world, &other}) (void)w->add(skew_top());
+    const std::array specs{
+        EventSpec{.time = 10.0 / 256, .kind = EventKind::begin_force, .value = {64, 0, 0}},
+        EventSpec{.time = 90.0 / 256, .kind = EventKind::end_force, .value = {64, 0, 0}},
+        EventSpec{.time = 30.0 / 256, .kind = EventKind::begin_torque, .value = {0, 0.5, 0.25}},
+        EventSpec{.time = 70.0 / 256, .kind = EventKind::end_torque, .value = {0, 0.5, 0.25}},
+    };
+    std::vector<Event<TypeParam>> events;
+    for (Saved* w : {&world, &other}) w->set_script(prepare_sorted(events, specs, w->bodies()));
+    std::vector<std::vector<std::uint8_t>> saved;
+    for (int step = 0; step < 128; ++step) {
+        saved.emplace_back(static_cast<std::size_t>(world.snapshot_size(SnapshotPart::bodies)));
+        (void)world.save(saved.back().data(), static_cast<int>(saved.back().size()), SnapshotPart::bodies);
+        world.step();
+    }
+    for (const std::size_t from : {5u, 40u, 80u, 100u, 20u, 0u}) {
+        ASSERT_EQ(other.restore(saved[from].data(), static_cast<int>(saved[from].size())), SnapshotFault::none);
+        for (std::size_t step = from; step < 128; ++step) other.step();
+        EXPECT_EQ(other.hash(), world.hash()) << from;
+    }
+}
+
+TEST(TimedForce, that_turns_a_body_beyond_its_range_is_reported) {
+    for (const auto& [kind, value, point] : {std::tuple{EventKind::begin_torque, RealVec3{0, 0, 1e5}, RealVec3{}},
+                                             {EventKind::begin_force, {0, 1e5, 0}, {1, 0, 0}}}) {
+        for (const Frame frame : {Frame::world, Frame::body}) {
+            Pushed<Q32<NearRange>> world{Seconds{1, 256}};
+            (void)world.add(box(1, {1, 2, 3}));
+            world.apply(world.prepare({.kind = kind, .frame = frame, .value = value, .point = point}));
+            EXPECT_TRUE(world.step().has(Issue::range_left));
+        }
+    }
+}
+
 TEST(TimedForce, has_the_order_of_the_method) {
     const auto end_of = [](int steps) {
         Pushed<F64, integrators::Suzuki4> world{Seconds{1, steps}};

@@ -103,6 +103,12 @@ public:
         next_ = 0;
         while (next_ < events_.count && static_cast<std::uint64_t>(events_.first[next_].step) < now) ++next_;
     }
+    // Calls f(event) for each event that has been skipped or applied, in the order of the array; true if there is any.
+    template <class F>
+    constexpr bool for_each_passed(F&& f) const {
+        for (int i = 0; i < next_; ++i) f(events_.first[i]);
+        return next_ > 0;
+    }
     // Calls apply(event) for each event that is due at step `now`, in the order of the array.
     template <class F>
     TUMBLE_INLINE void for_each_due(std::uint64_t now, F&& apply) {

@@ -15,7 +15,8 @@ class BegunForces {
     using Work = typename N::Work;
 
 public:
-    // Adds a force or torque, or takes it away again; an end without a beginning does nothing. `seconds`: of a step.
+    // Adds a force or torque, or takes it away again; the end of one that has not begun is misuse: it is taken
+    // from the others, and does nothing where there are none. `seconds`: of a step.
     template <bool angular>
     void begin_or_end(const auto& all, int b, Frame frame, const Block& value, const Block& point, Work seconds,
                       bool ends) {
@@ -25,6 +26,11 @@ public:
         push.value.multiply_by(seconds);
         if (ends && sums.count <= 1) sums = {};
         else sums.template add<angular>(all, b, push, ends);
+    }
+
+    // Ends all.
+    void clear() {
+        for (Sums& sums : of_) sums = {};
     }
 
     // As each load has it: loads/load.hpp.
@@ -88,6 +94,7 @@ private:
 
         static void each(auto& sums, auto& archive) {
             archive(sums.count, sums.change);
+            if constexpr (requires { archive.require(true); }) archive.require(sums.count >= 0 && sums.count < 1 << 30);
             if constexpr (rotation) archive(sums.turning);
         }
         template <bool angular>

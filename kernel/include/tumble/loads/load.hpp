@@ -47,9 +47,16 @@ template <class Load, class Bodies>
 concept SetsBody = requires(Load& load, const BodySpec& spec, const PrincipalInertia& inertia, Bodies& bodies) {
     load.set_body(0, spec, inertia, bodies);
 };
+struct AnyArchive {
+    void operator()(auto&...) {}
+};
+template <class Load>
+concept HasEach = requires(Load& load, AnyArchive& archive) {
+    Load::each(load, archive);
+};
 // Their names. A name of both bases is ambiguous: that of a function of the load, whatever its arguments.
 struct OptionalNames {
-    void turns(), couples(), for_each_coupled(), depends_on_velocity(), set_body();
+    void turns(), couples(), for_each_coupled(), depends_on_velocity(), set_body(), each();
 };
 template <class Load>
 struct WithNames : Load, OptionalNames {};
@@ -76,6 +83,8 @@ struct HeldLoad {
         SetsBody<Load, Bodies> || requires { &Names::set_body; },
         "a load's set_body is void set_body(int b, const BodySpec&, const PrincipalInertia&, const auto& "
         "bodies)");
+    static_assert(
+        HasEach<Load> || requires { &Names::each; }, "a load's each is static void each(auto& load, auto& archive)");
 
     // Loads of the kernel are set up with the step, s, and the world's values.
     constexpr HeldLoad(Real step, const WorldSpec& spec) requires std::is_constructible_v<Load, Real, const WorldSpec&>

@@ -38,6 +38,27 @@ protected:
             if (is_of_joint(event)) return contains(event.joint());
         return is_of_world(event) || contains(event.body);
     }
+    // Lets those forces and torques act that events of the script before the next step have begun and not ended, and no
+    // others that have begun. Wakes all bodies.
+    void begin_forces_again() {
+        if constexpr (features.forces && features.bodies > 0) {
+            auto& begun = advance_.loads.begun_forces();
+            begun.clear();
+            this->script_.for_each_passed([&](const Event<N>& e) {
+                if (!is_timed(e.kind) || !contains(e.body)) return;
+                const int b = place_of(e.body);
+                if (advance_.bodies.constants[b].fixed()) return;
+                const bool ends = e.kind == EventKind::end_force || e.kind == EventKind::end_torque;
+                if (e.kind == EventKind::begin_torque || e.kind == EventKind::end_torque)
+                    begun.template begin_or_end<true>(advance_.bodies, b, e.frame, e.value.block(), e.point.block(),
+                                                      seconds(), ends);
+                else
+                    begun.template begin_or_end<false>(advance_.bodies, b, e.frame, e.value.block(), e.point.block(),
+                                                       seconds(), ends);
+            });
+            for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
+        }
+    }
     // Applies an event of any kind.
     void apply(const Event<N>& e) { apply_any<false>(e); }
     // Applies an event of a kind that a script may have. The code of the others is absent.

@@ -48,6 +48,7 @@ protected:
         archive(*this, reader, header.part, header.spin);
         if constexpr (has_events) select();
         if (header.part == SnapshotPart::world) return SnapshotFault::none;
+        if constexpr (features.has_script()) Base::begin_forces_again();
         for (int b = 0; b < advance_.bodies.count; ++b) {
             if (header.spin != Advance::spin) advance_.check_range(b);
             advance_.spin_changed(b);
