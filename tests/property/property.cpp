@@ -36,7 +36,7 @@ constexpr time_t seconds_of_a_trial = 60;  // CPU, under sanitizers too
 // Largest shares of random scenes that may be refused or undecided, where there are enough scenes to tell.
 constexpr double most_refused = 0.06, most_undecided = 0.25;
 constexpr std::size_t enough_scenes = 1000;
-constexpr const char* words[] = {"agrees", "undecided", "told", "refused", "WRONG"};  // of kinds
+constexpr const char* kind_words[] = {"agrees", "undecided", "told", "refused", "WRONG"};  // of kinds
 
 // What a child has found out about one trial, in memory that its parent shares.
 struct Slot {
@@ -204,7 +204,7 @@ void print_table(const std::vector<Trial>& trials, const std::vector<Judgement>&
     for (auto& [name, row] : rows) {
         int all = 0;
         for (const Kind kind : {Kind::agrees, Kind::undecided, Kind::told, Kind::refused, Kind::wrong}) {
-            std::printf("%6d %s", row[kind], words[static_cast<int>(kind)]);
+            std::printf("%6d %s", row[kind], kind_words[static_cast<int>(kind)]);
             all += row[kind];
         }
         std::printf("  %3.0f %% compared  %s\n", compared[name] / all, name.c_str());
@@ -253,7 +253,7 @@ int main(int argc, char** argv) try {
         if (judgement.kind != Kind::wrong) continue;
         const std::string options = "--integrator " + method.integrator + " --numbers " + method.numbers + " --carry " +
                                     (method.carry ? "on" : "off");
-        std::cout << words[static_cast<int>(judgement.kind)] << " " << kind << ", scene " << index << " (" << options
+        std::cout << kind_words[static_cast<int>(judgement.kind)] << " " << kind << ", scene " << index << " (" << options
                   << "): " << judgement.what << " (compared " << tumble::host::few_digits(100 * judgement.compared)
                   << " %, share of its bound " << tumble::host::few_digits(judgement.share) << ")\n";
         const auto path = std::filesystem::path(write) / (std::to_string(seed) + "-" + std::to_string(index) + ".toml");
