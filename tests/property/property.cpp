@@ -253,9 +253,10 @@ int main(int argc, char** argv) try {
         if (judgement.kind != Kind::wrong) continue;
         const std::string options = "--integrator " + method.integrator + " --numbers " + method.numbers + " --carry " +
                                     (method.carry ? "on" : "off");
-        std::cout << kind_words[static_cast<int>(judgement.kind)] << " " << kind << ", scene " << index << " (" << options
-                  << "): " << judgement.what << " (compared " << tumble::host::few_digits(100 * judgement.compared)
-                  << " %, share of its bound " << tumble::host::few_digits(judgement.share) << ")\n";
+        std::cout << kind_words[static_cast<int>(judgement.kind)] << " " << kind << ", scene " << index << " ("
+                  << options << "): " << judgement.what << " (compared "
+                  << tumble::host::few_digits(100 * judgement.compared) << " %, share of its bound "
+                  << tumble::host::few_digits(judgement.share) << ")\n";
         const auto path = std::filesystem::path(write) / (std::to_string(seed) + "-" + std::to_string(index) + ".toml");
         if (!write.empty()) write_shrunk(path, trials[i], judgement, options);
     }

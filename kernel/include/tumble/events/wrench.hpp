@@ -1,6 +1,6 @@
-// Wrenches: forces and torques that a program sets while a world runs. Each body has a force and a torque that last, and
-// a sum of those for the next step alone. A step takes them as one change of drift and turn, which is constant in the
-// step: exact for a force in the world's frame at the centre of mass, like gravity, and of order 2 for all others.
+// Wrenches: forces and torques that a program sets while a world runs. Each body has a force and a torque that last,
+// and a sum of those for the next step alone. A step takes them as one change of drift and turn, which is constant in
+// the step: exact for a force in the world's frame at the centre of mass, like gravity, and of order 2 for all others.
 #pragma once
 
 #include <tumble/events/event.hpp>
