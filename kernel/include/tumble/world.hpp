@@ -139,7 +139,11 @@ public:
         }
         require_bodies(events);
         script_.set(events, now());
-        if (script_.for_each_passed([](const Event<N>&) {})) Base::begin_forces_again();
+        if constexpr (features.forces)
+            if (script_.has_passed()) {
+                Base::begin_forces_again();
+                for (int b = 0; b < advance_.bodies.count; ++b) Base::disturb(b);
+            }
     }
     // Appends every event from now on, live or of the script, to `recording`; null: no longer. The recording is a
     // script that brings a copy of this world to the same state. What no event holds is misuse meanwhile: to add

@@ -93,7 +93,7 @@ public:
     // Call for a body that no load pushes alone in this step. A load of the program may push it again in any later
     // step, and the kick that was kept is not that of its place then.
     TUMBLE_INLINE void lose_kick([[maybe_unused]] int b) {
-        if constexpr (keeps_kicks && detail::OwnLoads<S>::List::count > 0) kept_.of_body[b].age = 0;
+        if constexpr (keeps_kicks && has_own_loads) kept_.of_body[b].age = 0;
     }
     // There may be bodies that turn by themselves, and tumble in free rotation.
     static constexpr bool may_tumble = rotation && features.moving_surfaces() && features.bodies > 0;

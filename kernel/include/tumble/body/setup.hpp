@@ -23,7 +23,7 @@ struct Seconds {
 // A field of a spec: its name, its unit, and what it takes. Each spec names its fields once, in each(f, of...), which
 // calls f(field, x...) for each of them in the order of the spec, with the members x of that name of the structs `of`:
 // of a spec, or of others with the same members. What depends on all fields follows from it: the digest of snapshots,
-// `tumble compile`, and the reader and the writer of scene files.
+// `tumble compile`, and readers and writers of scene files.
 struct Field {
     // Numbers in a range; the id of a body; and any number that steps or events change, which a snapshot holds.
     enum Kind : std::uint8_t { any, positive, not_negative, zero_to_one, body, state };

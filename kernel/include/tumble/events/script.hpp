@@ -103,11 +103,11 @@ public:
         next_ = 0;
         while (next_ < events_.count && static_cast<std::uint64_t>(events_.first[next_].step) < now) ++next_;
     }
-    // Calls f(event) for each event that has been skipped or applied, in the order of the array; true if there is any.
+    // True if an event has been skipped or applied. Below: calls f(event) for each of these, in the order of the array.
+    [[nodiscard]] constexpr bool has_passed() const { return next_ > 0; }
     template <class F>
-    constexpr bool for_each_passed(F&& f) const {
+    void for_each_passed(F&& f) const {
         for (int i = 0; i < next_; ++i) f(events_.first[i]);
-        return next_ > 0;
     }
     // Calls apply(event) for each event that is due at step `now`, in the order of the array.
     template <class F>

@@ -12,8 +12,8 @@ class WorldEvents : protected WorldParts<S> {
 protected:
     using Base::contains, Base::joint_reader, Base::steps_per_second, Base::seconds, Base::remember_all, Base::place_of,
         Base::now, Base::tell_gravity, Base::has_changed, Base::replaced, Base::disturb;
-    using Base::features, Base::has_contacts, Base::advance_, Base::contacts_, Base::recording_, Base::digest_,
-        Base::places_;
+    using Base::features, Base::has_contacts, Base::advance_, Base::contacts_, Base::script_, Base::recording_,
+        Base::digest_, Base::places_;
     using typename Base::N, typename Base::Work, typename Base::Advance, typename Base::Required;
     constexpr WorldEvents(const WorldSpec& spec, Seconds step) : Base{spec, step} {}
 
@@ -39,24 +39,15 @@ protected:
         return is_of_world(event) || contains(event.body);
     }
     // Lets those forces and torques act that events of the script before the next step have begun and not ended, and no
-    // others that have begun. Wakes all bodies.
+    // others that have begun. Call disturb() for all bodies.
     void begin_forces_again() {
         if constexpr (features.forces && features.bodies > 0) {
-            auto& begun = advance_.loads.begun_forces();
-            begun.clear();
-            this->script_.for_each_passed([&](const Event<N>& e) {
+            advance_.loads.begun_forces().clear();
+            script_.for_each_passed([&](const Event<N>& e) {
                 if (!is_timed(e.kind) || !contains(e.body)) return;
                 const int b = place_of(e.body);
-                if (advance_.bodies.constants[b].fixed()) return;
-                const bool ends = e.kind == EventKind::end_force || e.kind == EventKind::end_torque;
-                if (e.kind == EventKind::begin_torque || e.kind == EventKind::end_torque)
-                    begun.template begin_or_end<true>(advance_.bodies, b, e.frame, e.value.block(), e.point.block(),
-                                                      seconds(), ends);
-                else
-                    begun.template begin_or_end<false>(advance_.bodies, b, e.frame, e.value.block(), e.point.block(),
-                                                       seconds(), ends);
+                if (!advance_.bodies.constants[b].fixed()) begin_or_end(e.kind, b, e.frame, e.value, e.point);
             });
-            for (int b = 0; b < advance_.bodies.count; ++b) disturb(b);
         }
     }
     // Applies an event of any kind.
@@ -139,6 +130,17 @@ protected:
             remember_all();
         }
     }
+    // A timed force or torque of a body that is not fixed begins or ends.
+    TUMBLE_INLINE void begin_or_end(EventKind kind, int b, Frame frame, const InputVector<N>& value,
+                                    const InputVector<N>& point) requires(features.forces&& features.bodies > 0) {
+        auto& begun = advance_.loads.begun_forces();
+        const bool ends = kind == EventKind::end_force || kind == EventKind::end_torque;
+        if (kind == EventKind::begin_torque || kind == EventKind::end_torque)
+            begun.template begin_or_end<true>(advance_.bodies, b, frame, value.block(), point.block(), seconds(), ends);
+        else
+            begun.template begin_or_end<false>(advance_.bodies, b, frame, value.block(), point.block(), seconds(),
+                                               ends);
+    }
     // One event. The kind is known when the program is compiled, so that a call costs what its kind needs.
     template <EventKind kind>
     void act(BodyId id, [[maybe_unused]] Frame frame, [[maybe_unused]] const InputVector<N>& value,
@@ -157,14 +159,10 @@ protected:
         if constexpr (is_wrench(kind)) {
             Required::by(kind);
             if (bodies.constants[b].fixed()) return;
-            constexpr bool angular = kind == Kind::torque || kind == Kind::step_torque || kind == Kind::begin_torque ||
-                                     kind == Kind::end_torque;
             if constexpr (is_timed(kind)) {
-                if constexpr (features.forces && features.bodies > 0)
-                    advance_.loads.begun_forces().template begin_or_end<angular>(
-                        bodies, b, frame, value.block(), point.block(), seconds(),
-                        kind == Kind::end_force || kind == Kind::end_torque);
+                if constexpr (features.forces && features.bodies > 0) begin_or_end(kind, b, frame, value, point);
             } else if constexpr (Advance::has_wrenches) {
+                constexpr bool angular = kind == Kind::torque || kind == Kind::step_torque;
                 if constexpr (kind == Kind::force || kind == Kind::torque)
                     advance_.wrenches.template set<angular>(bodies, b, frame, value.block(), point.block());
                 else advance_.wrenches.template add<angular>(bodies, b, frame, value.block(), point.block());

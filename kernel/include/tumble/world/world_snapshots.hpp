@@ -10,10 +10,9 @@ class WorldSnapshots : protected WorldEvents<S> {
     using Base = WorldEvents<S>;
 
 protected:
-    using Base::Base;
+    using Base::begin_forces_again, Base::remember, Base::now, Base::replaced, Base::disturb;
     using Base::features, Base::has_contacts, Base::has_events, Base::has_imu, Base::advance_, Base::contacts_,
         Base::script_, Base::digest_;
-    using Base::remember, Base::now, Base::replaced, Base::disturb;
     using typename Base::N, typename Base::Integrator, typename Base::Work, typename Base::Advance,
         typename Base::Bodies, typename Base::Contacts;
     constexpr WorldSnapshots(const WorldSpec& spec, Seconds step) : Base{spec, step} {}
@@ -48,7 +47,7 @@ protected:
         archive(*this, reader, header.part, header.spin);
         if constexpr (has_events) select();
         if (header.part == SnapshotPart::world) return SnapshotFault::none;
-        if constexpr (features.has_script()) Base::begin_forces_again();
+        begin_forces_again();
         for (int b = 0; b < advance_.bodies.count; ++b) {
             if (header.spin != Advance::spin) advance_.check_range(b);
             advance_.spin_changed(b);
@@ -68,7 +67,7 @@ private:
         if (part == SnapshotPart::bodies) return digest.value();
         digest.add(Integrator::name);
         Features::for_each([&](const char*, auto member) { digest.add(static_cast<int>(features.*member)); });
-        if constexpr (tumble::detail::OwnLoads<S>::List::count > 0) {
+        if constexpr (Advance::has_own_loads) {
             digest.add(tumble::detail::OwnLoads<S>::List::count);
             advance_.loads.add_own_to(digest);
         }
