@@ -4,6 +4,7 @@
 
 #include <tumble/events/event.hpp>
 #include <tumble/loads/loaded_group.hpp>
+#include <tumble/scene.hpp>
 
 namespace tumble {
 
