@@ -17,6 +17,7 @@
 #pragma once
 
 #include <tumble/body/bodies.hpp>
+#include <tumble/scene.hpp>
 
 namespace tumble {
 
