@@ -208,6 +208,11 @@ Features needs(const SceneData& scene) {
             joint.visit([&](const auto& spec) { any_is = any_is || is_one(spec); });
         return any_is;
     };
+    // Without joints all kinds are as a world without joints has them.
+    const auto has_kind = [&]<class Spec>(const Spec&) {
+        return scene.joints.empty() ||
+               any_joint([](const auto& spec) { return std::is_same_v<decltype(spec), const Spec&>; });
+    };
     const auto moving = static_cast<int>(
         std::count_if(scene.bodies.begin(), scene.bodies.end(), [](const BodySpec& body) { return !body.is_fixed(); }));
     const auto is_turntable = [](const BodySpec& body) { return body.fixed && !body.angular_velocity.is_zero(); };
@@ -237,9 +242,12 @@ Features needs(const SceneData& scene) {
         .planes = static_cast<int>(planes),
         .springs = static_cast<int>(scene.springs.size()),
         .joints = static_cast<int>(scene.joints.size()),
-        .distances = any_joint([](const auto& spec) {
-            return requires { spec.to_point; };
-        }),
+        .hinges = has_kind(HingeSpec{}),
+        .balls = has_kind(BallSpec{}),
+        .fixed_joints = has_kind(FixedSpec{}),
+        .sliders = has_kind(SliderSpec{}),
+        .universals = has_kind(UniversalSpec{}),
+        .distances = !scene.joints.empty() && has_kind(DistanceSpec{}),
         .joint_springs = any_joint(
             [](const auto& spec) { return detail::spring_of(spec, 0).acts() || detail::spring_of(spec, 1).acts(); }),
         .joint_limits = any_joint([](const auto& spec) { return detail::limits_of(spec).acts(); }),

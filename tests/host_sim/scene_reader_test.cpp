@@ -651,6 +651,28 @@ TEST(SceneReader, a_world_has_the_features_of_joints_that_its_scene_needs) {
               (std::array{true, false, false, false, false}));
 }
 
+// Of hinges, balls, fixed joints, sliders, universal joints and distances.
+TEST(SceneReader, a_world_has_the_kinds_of_joints_that_its_scene_has) {
+    const auto kinds = [](const std::string& text) {
+        const Features f = needs(build_scene(read(text)));
+        return std::array{f.hinges, f.balls, f.fixed_joints, f.sliders, f.universals, f.distances};
+    };
+    const std::string scene = world + bodies_named("a") + "[[joint]]\nbody = \"a\"\n",
+                      anchored = "anchor = [1, 2, 3]\n", axis = "axis = [0, 0, 2]\n",
+                      of_kind[]{"kind = \"hinge\"\n" + anchored + axis,
+                                "kind = \"ball\"\n" + anchored,
+                                "kind = \"fixed\"\n" + anchored,
+                                "kind = \"slider\"\n" + anchored + axis,
+                                "kind = \"universal\"\nto_axis = [0, 1, 0]\n" + anchored + axis,
+                                "kind = \"distance\"\npoint = [0, 0, 0]\nto_point = [0, 1, 0]\nmost = 1.5\n"};
+    for (std::size_t k = 0; k < std::size(of_kind); ++k) {
+        std::array<bool, std::size(of_kind)> expected{};
+        expected[k] = true;
+        EXPECT_EQ(kinds(scene + of_kind[k]), expected) << of_kind[k];
+    }
+    EXPECT_EQ(kinds(world + bodies_named("a")), (std::array{true, true, true, true, true, false}));
+}
+
 TEST(SceneReader, an_anchor_that_fixed_point_does_not_hold_leaves_floating_point) {
     const auto anchored_at = [](const std::string& x) {
         return read("[range]\nposition = 32768.0\n" + world + bodies_named("a") +

@@ -19,7 +19,12 @@ struct Features {
     int springs = 0;  // room for springs
     // --- an arm: joints ---
     int joints = 0;              // room for joints; needs rotation; jointed bodies touch nothing yet
-    bool distances = false;      // joints may keep a distance: DistanceSpec
+    bool hinges = true;          // joints may be hinges: HingeSpec
+    bool balls = true;           // balls: BallSpec
+    bool fixed_joints = true;    // welds: FixedSpec
+    bool sliders = true;         // sliders: SliderSpec
+    bool universals = true;      // universal joints: UniversalSpec
+    bool distances = false;      // rods and ropes: DistanceSpec
     bool joint_springs = false;  // joints may have springs and dampers: JointSpring
     bool joint_limits = false;   // hinges and sliders may have limits: JointLimits
     bool joint_breaks = false;   // joints may break: break_force, break_torque, World::break_joint()
@@ -70,6 +75,11 @@ struct Features {
         f("planes", &Features::planes);
         f("springs", &Features::springs);
         f("joints", &Features::joints);
+        f("hinges", &Features::hinges);
+        f("balls", &Features::balls);
+        f("fixed_joints", &Features::fixed_joints);
+        f("sliders", &Features::sliders);
+        f("universals", &Features::universals);
         f("distances", &Features::distances);
         f("joint_springs", &Features::joint_springs);
         f("joint_limits", &Features::joint_limits);

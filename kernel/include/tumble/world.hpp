@@ -80,8 +80,9 @@ public:
     // velocities across the joint, as an impact without restitution would.
     template <JointSpec Spec>
     JointId add(const Spec& spec) requires(features.has_joints()) {
-        static_assert(features.distances || !std::is_same_v<Spec, DistanceSpec>,
-                      "a rod or a rope needs .distances = true among the scene's features");
+        static_assert(features.*JointKinds::Of<Spec>::feature,
+                      "a joint needs its kind among the scene's features: .hinges, .balls, .fixed_joints, .sliders, "
+                      ".universals, or .distances for rods and ropes, = true");
         return Base::add(spec);
     }
     // Does not compile, and says why, in a scene without room for a plane, a spring or a joint.

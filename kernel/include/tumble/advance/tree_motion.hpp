@@ -161,7 +161,7 @@ private:
                 open.add(other);
             });
     }
-    using Hold = JointHold<Bodies, features>;
+    using Hold = JointHold<Bodies, features, may_couple>;
     // A step of trees, with all bodies that step together.
     [[gnu::noinline]] void hold(const typename Hold::Trees& trees, const BodyGroup& group,
                                 const StepInfo<N>& info) requires has_joints {

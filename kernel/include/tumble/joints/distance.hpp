@@ -8,6 +8,7 @@ namespace tumble::joints {
 struct Distance {
     using Spec = DistanceSpec;
     static constexpr const char* name = "distance";
+    static constexpr bool Features::*feature = &Features::distances;
     static constexpr int turns = 3, slides = 2, axes = 0;
 
     [[nodiscard]] static constexpr detail::JointAxes axes_of(const Spec&) { return detail::axes_about({0, 0, 1}); }

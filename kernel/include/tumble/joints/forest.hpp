@@ -78,7 +78,7 @@ public:
         int most = 0;
         for (int used = 0; used <= room; ++used) {
             const int roots = most_nodes - used < used ? (most_nodes > used ? most_nodes - used : 0) : used;
-            const int directions = used * (features.distances ? 6 : JointKinds::most_directions) + 6 * roots;
+            const int directions = used * JointKinds::most_directions(features) + 6 * roots;
             if (directions > most) most = directions;
         }
         return most;
@@ -89,28 +89,27 @@ public:
     [[nodiscard]] constexpr JointFault fault_of(const Spec& spec, const auto& bodies, const auto& is_body) const {
         const int a = spec.body, b = spec.to_body;
         if (!is_body(a) || b < -1 || (b >= 0 && !is_body(b))) return JointFault::no_such_body;
-        if (a == b) return JointFault::same_body;
-        if (is_base(bodies, a) && is_base(bodies, b)) return JointFault::no_moving_body;
-        if (!bodies.rotates(a) || (b >= 0 && !bodies.rotates(b))) return JointFault::point_mass;
+        if (const JointFault fault = fault_of_sides(bodies, a, b); fault != JointFault::none) return fault;
         if (const JointFault fault = JointKinds::Of<Spec>::fault_of(spec); fault != JointFault::none) return fault;
-        if (const JointFault fault = detail::fault_of_limits(spec, JointKinds::turns_of_springs < Spec >> 0);
-            fault != JointFault::none)
-            return fault;
-        if constexpr (N::fixed_point)
-            if (detail::limits_of(spec).most > Real{most_arm} || -detail::limits_of(spec).least > Real{most_arm})
-                return JointFault::too_far;
-        if (detail::break_force_of(spec).is_negative() || detail::break_torque_of(spec).is_negative())
-            return JointFault::bad_strength;
-        if (const JointFault fault = detail::fault_of_springs(spec, JointKinds::turns_of_springs<Spec>);
-            fault != JointFault::none)
-            return fault;
-        if (is_far(bodies, a, detail::anchor_of(spec, 0)) || is_far(bodies, b, detail::anchor_of(spec, 1)))
-            return JointFault::too_far;
+        // What a scene has no feature for is misuse.
+        if constexpr (features.joint_limits) {
+            if (const JointFault fault = detail::fault_of_limits(spec, JointKinds::turns_of_springs < Spec >> 0);
+                fault != JointFault::none)
+                return fault;
+            if constexpr (N::fixed_point)
+                if (detail::limits_of(spec).most > Real{most_arm} || -detail::limits_of(spec).least > Real{most_arm})
+                    return JointFault::too_far;
+        }
+        if constexpr (features.joint_breaks)
+            if (detail::break_force_of(spec).is_negative() || detail::break_torque_of(spec).is_negative())
+                return JointFault::bad_strength;
+        if constexpr (features.joint_springs)
+            if (const JointFault fault = detail::fault_of_springs(spec, JointKinds::turns_of_springs<Spec>);
+                fault != JointFault::none)
+                return fault;
         if constexpr (N::fixed_point && requires { spec.most; })
             if (spec.most > Real{most_arm}) return JointFault::too_far;
-        if (moves_by_itself(bodies, a) || moves_by_itself(bodies, b)) return JointFault::moving_base;
-        if (is_tied(bodies, a, b)) return JointFault::closes_loop;
-        return first_vacant() < room ? JointFault::none : JointFault::no_room;
+        return fault_of_place(bodies, a, b, detail::anchor_of(spec, 0), detail::anchor_of(spec, 1));
     }
     // Adds a joint that has no fault; returns its place.
     template <class Spec>
@@ -118,16 +117,9 @@ public:
         using Kind = typename JointKinds::Of<Spec>;
         const int place = first_vacant();
         Record& joint = record_[place];
-        const std::uint16_t generation = joint.generation;
-        joint = {};
-        joint.generation = generation;
-        joint.is_there = true;
+        set_sides(joint, bodies, spec.body, spec.to_body, detail::anchor_of(spec, 0), detail::anchor_of(spec, 1),
+                  Kind::axes_of(spec));
         joint.kind = JointKinds::number_of<Spec>;
-        const detail::JointAxes axes = Kind::axes_of(spec);
-        set_side(joint.side[0], bodies, spec.body, detail::anchor_of(spec, 0), axes.of_body);
-        set_side(joint.side[1], bodies, spec.to_body, detail::anchor_of(spec, 1), axes.of_other);
-        for (int i = 0; i < 3; ++i)
-            joint.anchor[i] = N::template Integrated<typename N::Position>::from(detail::anchor_of(spec, 1)[i]);
         if constexpr (features.has_joint_ranges()) {
             range_[place] = JointRange<N>{};
             if constexpr (requires { spec.most; }) set_range(range_[place], spec);
@@ -136,10 +128,8 @@ public:
         if constexpr (features.joint_breaks)
             strength_[place] = {N::template constant<typename N::Work>(detail::break_force_of(spec)),
                                 N::template constant<typename N::Work>(detail::break_torque_of(spec)), false};
-        order(bodies);
-        const int moving = is_base(bodies, spec.body) ? spec.to_body : spec.body;
-        forget(moving);
-        if constexpr (requires { spec.most; }) tree_of(moving)->is_moved = true;  // its length is that of the spec
+        JointTreeState& tree = tie(joint, bodies);
+        if constexpr (requires { spec.most; }) tree.is_moved = true;  // its length is that of the spec
         return place;
     }
     [[nodiscard]] std::uint16_t generation(int place) const { return record_[place].generation; }
@@ -266,7 +256,8 @@ public:
     }
     // False of a node whose anchors stay at one point.
     [[nodiscard]] bool may_slide(const Node& node) const {
-        return node.joint != Node::no_joint && JointKinds::slides[record_[node.joint].kind] > 0;
+        return JointTree<N, features>::may_slide && node.joint != Node::no_joint &&
+               JointKinds::slides[record_[node.joint].kind] > 0;
     }
     // The node that hangs on its parent by this joint.
     [[nodiscard]] int node_of(int joint) const {
@@ -279,7 +270,9 @@ public:
         while (tree_[t].last <= node) ++t;
         return tree_[t];
     }
-    [[nodiscard]] JointTree<N> solver(const JointTreeState& tree) { return {node_, direction_, tree.first, tree.last}; }
+    [[nodiscard]] JointTree<N, features> solver(const JointTreeState& tree) {
+        return {node_, direction_, tree.first, tree.last};
+    }
 
     // Sets the powers of two of lengths from the root's on. They hold the distance of every part of the subtree from
     // the anchor: own_reach, the arm and the radius of gyration, and span, the link to a child, and its reach. In units
@@ -303,8 +296,8 @@ public:
                 Node& node = node_[i];
                 if (node.parent < 0) continue;
                 const int down = node_[node.parent].length_log2 - node.length_log2;
-                node.length_down = static_cast<std::int8_t>(JointTree<N>::clamped(down));
-                node.moment_down = static_cast<std::int8_t>(JointTree<N>::clamped(node.mass_down + down));
+                node.length_down = static_cast<std::int8_t>(JointTree<N, features>::clamped(down));
+                node.moment_down = static_cast<std::int8_t>(JointTree<N, features>::clamped(node.mass_down + down));
             }
             int bits = J::open_bits;
             for (int i = tree.first; i < tree.last; ++i) {
@@ -474,6 +467,37 @@ private:
         tree.is_disturbed = tree.is_moved = true;
     }
 
+    // What is wrong with the bodies of a joint, and with its place in the world.
+    TUMBLE_COLD [[nodiscard]] static JointFault fault_of_sides(const auto& bodies, int a, int b) {
+        if (a == b) return JointFault::same_body;
+        if (is_base(bodies, a) && is_base(bodies, b)) return JointFault::no_moving_body;
+        return bodies.rotates(a) && (b < 0 || bodies.rotates(b)) ? JointFault::none : JointFault::point_mass;
+    }
+    TUMBLE_COLD [[nodiscard]] JointFault fault_of_place(const auto& bodies, int a, int b, const RealVec3& anchor,
+                                                        const RealVec3& to_anchor) const {
+        if (is_far(bodies, a, anchor) || is_far(bodies, b, to_anchor)) return JointFault::too_far;
+        if (moves_by_itself(bodies, a) || moves_by_itself(bodies, b)) return JointFault::moving_base;
+        if (is_tied(bodies, a, b)) return JointFault::closes_loop;
+        return first_vacant() < room ? JointFault::none : JointFault::no_room;
+    }
+    // A joint of this place, new between two bodies.
+    TUMBLE_COLD void set_sides(Record& joint, const auto& bodies, int a, int b, const RealVec3& anchor,
+                               const RealVec3& to_anchor, const detail::JointAxes& axes) {
+        const std::uint16_t generation = joint.generation;
+        joint = {};
+        joint.generation = generation;
+        joint.is_there = true;
+        set_side(joint.side[0], bodies, a, anchor, axes.of_body);
+        set_side(joint.side[1], bodies, b, to_anchor, axes.of_other);
+        for (int i = 0; i < 3; ++i) joint.anchor[i] = N::template Integrated<typename N::Position>::from(to_anchor[i]);
+    }
+    // Brings a new joint into its tree, which it returns.
+    TUMBLE_COLD JointTreeState& tie(const Record& joint, const auto& bodies) {
+        order(bodies);
+        const int moving = is_base(bodies, joint.side[0].body) ? joint.side[1].body : joint.side[0].body;
+        forget(moving);
+        return *tree_of(moving);
+    }
     // The anchor and the axes as the body sees them now.
     TUMBLE_COLD void set_side(typename Record::Side& side, const auto& bodies, int b, const RealVec3& anchor,
                               const RealVec3 (&axis)[2]) {
@@ -638,8 +662,8 @@ private:
                 Node& node = node_[i];
                 node.mass_log2 = static_cast<std::int8_t>(mass[i].ceil_log2_bound());
                 if (node.parent < 0) continue;
-                node.mass_down =
-                    static_cast<std::int8_t>(JointTree<N>::clamped(node_[node.parent].mass_log2 - node.mass_log2));
+                node.mass_down = static_cast<std::int8_t>(
+                    JointTree<N, features>::clamped(node_[node.parent].mass_log2 - node.mass_log2));
                 node.span = reach_of(length_of(own_arm(node_[node.parent]) - parent_arm(node)));
             }
         }

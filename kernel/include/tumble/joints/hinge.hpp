@@ -8,6 +8,7 @@ namespace tumble::joints {
 struct Hinge {
     using Spec = HingeSpec;
     static constexpr const char* name = "hinge";
+    static constexpr bool Features::*feature = &Features::hinges;
     static constexpr int turns = 1, slides = 0, axes = 1;
 
     [[nodiscard]] static constexpr detail::JointAxes axes_of(const Spec& spec) { return detail::axes_about(spec.axis); }

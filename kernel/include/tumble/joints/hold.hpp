@@ -27,6 +27,7 @@ namespace tumble {
 // Trees that a step flies together.
 template <int capacity>
 struct JointTrees {
+    static constexpr int room = capacity;
     int count = 0;
     std::int16_t tree[capacity];
 
@@ -35,12 +36,13 @@ struct JointTrees {
     void add(int t) { tree[count++] = static_cast<std::int16_t>(t); }
 };
 
-template <class Bodies, Features features>
+// `couples`: trees step together where loads couple their bodies. Else each steps by itself.
+template <class Bodies, Features features, bool couples>
 class JointHold {
 public:
     using N = typename Bodies::Numbers;
     using Forest = JointForest<N, features>;
-    using Trees = JointTrees<Forest::most_trees>;
+    using Trees = JointTrees<couples ? Forest::most_trees : 1>;
     using Group = BodyGroup<features.bodies>;
     static constexpr int most_corrections = 10, most_projections = 8, most_halvings = Forest::most_halvings;
 
@@ -185,7 +187,9 @@ private:
     }
     template <class F>
     void each(F&& f) {
-        for (int t = 0; t < trees_.count; ++t) f(forest_.tree(trees_.tree[t]));
+        if constexpr (Trees::room == 1) f(forest_.tree(trees_.tree[0]));
+        else
+            for (int t = 0; t < trees_.count; ++t) f(forest_.tree(trees_.tree[t]));
     }
     template <class F>
     void each_node(const JointTreeState& tree, F&& f) {
@@ -228,27 +232,26 @@ private:
         each_node(tree, [&](const Node& node, int i) {
             measures_.solution[i].dv += first_v_[i];
             measures_.solution[i].dw += first_w_[i];
-            Kick<N>& kick = forest_.kicks()[i];
-            kick = sum(kick, change(node, i, halvings_), within);
+            add(forest_.kicks()[i], change(node, i, halvings_), within);
         });
     }
-    // Held within a quarter of the range.
-    [[nodiscard]] static Kick<N> sum(const Kick<N>& a, const Kick<N>& b, bool& within) {
-        Kick<N> sum;
+    // Adds to a half kick, held within a quarter of the range. Clears `within` where it is.
+    [[gnu::noinline]] static void add(Kick<N>& to, const Kick<N>& change, bool& within) {
         detail::for_axes<N>([&](int k) {
-            sum.linear[k] = J::clamped(a.linear[k] + J::clamped(b.linear[k], within), within);
-            sum.angular[k] = J::clamped(a.angular[k] + J::clamped(b.angular[k], within), within);
+            to.linear[k] = J::clamped(to.linear[k] + J::clamped(change.linear[k], within), within);
+            to.angular[k] = J::clamped(to.angular[k] + J::clamped(change.angular[k], within), within);
         });
-        return sum;
     }
     // Half kicks are of a part: those of 2^-from of a step become those of 2^-to with the same forces.
     void scale_kicks(const JointTreeState& tree, int from, int to) {
-        if (from == to) [[likely]]
-            return;
+        if (from != to) [[unlikely]]
+            scale_kicks_anew(tree, from, to);
+    }
+    [[gnu::noinline, gnu::cold]] void scale_kicks_anew(const JointTreeState& tree, int from, int to) {
         each_node(tree, [&](const Node&, int i) {
             Kick<N>& kick = forest_.kicks()[i];
             bool within = true;
-            for (int n = from; n > to; --n) kick = sum(kick, kick, within);
+            for (int n = from; n > to; --n) add(kick, Kick<N>{kick}, within);
             for (int k = 0; k < 3 && from < to; ++k) {
                 kick.linear[k] = J::halved(kick.linear[k], to - from);
                 kick.angular[k] = J::halved(kick.angular[k], to - from);
@@ -256,7 +259,7 @@ private:
         });
     }
     template <class SpinChanged>
-    void go_back(const Group& group, SpinChanged& spin_changed) {
+    [[gnu::noinline]] void go_back(const Group& group, SpinChanged& spin_changed) {
         for (int k = 0; k < group.count; ++k) {
             start_.restore(k, bodies_, group.id[k]);
             spin_changed(group.id[k]);
@@ -270,7 +273,8 @@ private:
         each_node(tree, [&](const Node& node, int i) {
             Kick<N>& kick = forest_.kicks()[i];
             bool within = true;
-            kick = sum({}, change(node, i, 0), within);
+            kick = {};
+            add(kick, change(node, i, 0), within);
             push(node.body, kick, spin_changed);
             if (!within) [[unlikely]]
                 tree.is_disturbed = true;
@@ -360,7 +364,7 @@ private:
     [[gnu::noinline, gnu::cold]] void move(const Node& node, int i) {
         auto& state = bodies_.state[node.body];
         const auto& s = measures_.solution[i];
-        const Vector own = node.frame.to_body(s.dw);
+        const Vector own = JointTree<N, features>::to_body(node.frame, s.dw);
         Vec3<typename N::Angle> half;
         for (int k = 0; k < 3; ++k) {
             N::add_sum(state.x_w[k], J::position_sum(s.dv[k], measures_.bits));
@@ -373,7 +377,7 @@ private:
     // The change of motion of a solution, times 2^up. A spin's is in the finest scale, which holds the range of spins.
     [[nodiscard, gnu::noinline]] Kick<N> change(const Node& node, int i, int up) const {
         const auto& s = measures_.solution[i];
-        const Vector own = node.frame.to_body(s.dw);
+        const Vector own = JointTree<N, features>::to_body(node.frame, s.dw);
         Kick<N> kick;
         detail::for_axes<N>([&](int k) {
             kick.linear[k] = J::drift_sum(s.dv[k], bodies_.scale, measures_.bits - up);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <tumble/body/setup.hpp>
+#include <tumble/scene.hpp>
 
 namespace tumble {
 

@@ -41,12 +41,9 @@ requires(N::fixed_point) struct JointNumbers<N> {
     [[nodiscard]] TUMBLE_INLINE static Unit down(Unit a, int bits) {
         return Down{bits < most_down ? bits : most_down}(a);
     }
-    // The same where the powers may be the other way round: the arm of a slider is over more than it needs.
-    [[nodiscard]] TUMBLE_INLINE static Unit over(Unit a, int down_bits) {
-        if (down_bits >= 0) [[likely]]
-            return down(a, down_bits);
-        const std::int64_t up =
-            static_cast<std::int64_t>(a.raw) * (std::int64_t{1} << (down_bits < -32 ? 32 : -down_bits));
+    // a 2^bits for positive bits, held.
+    [[nodiscard]] static Unit up(Unit a, int bits) {
+        const std::int64_t up = static_cast<std::int64_t>(a.raw) * (std::int64_t{1} << (bits > 32 ? 32 : bits));
         return {static_cast<std::int32_t>(up > INT32_MAX ? INT32_MAX : up < -INT32_MAX ? -INT32_MAX : up)};
     }
     // The same with ties to even, by 1 bit or more: a bias of a quarter of a unit would push a free mechanism on and
@@ -76,11 +73,13 @@ requires(N::fixed_point) struct JointNumbers<N> {
                                                                                       << 1 << (31 - down);
                 return static_cast<std::int64_t>(static_cast<std::uint64_t>(upper >> down) << 32 | low);
             }
-            if (down >= 32) [[likely]]
-                return upper >> (down > 63 ? 31 : down - 32);
         } else if (down >= 0) [[likely]] {
             return a >> (down > 63 ? 63 : down);
         }
+        return lowered_far(a, down);
+    }
+    [[nodiscard, gnu::noinline]] static std::int64_t lowered_far(std::int64_t a, int down) {
+        if (down >= 0) return a >> (down > 63 ? 63 : down);
         return down < -63 ? 0 : static_cast<std::int64_t>(static_cast<std::uint64_t>(a) << -down);
     }
     // Of two places, own less other.
@@ -151,7 +150,8 @@ requires(N::fixed_point) struct JointNumbers<N> {
     }
     // A spin in 2^-of_spin, times 2^log2 m.
     [[nodiscard]] TUMBLE_INLINE static Open turned(Unit spin, int log2, int of_spin, int bits) {
-        return lowered(spin.raw, of_spin - log2 - bits);
+        const int up = bits + log2 - of_spin;
+        return up >= 0 && up <= 31 ? shifted_up(spin.raw, up) : lowered_far(spin.raw, -up);
     }
     // What is open as a Unit. Clears `fits` where it is held.
     [[nodiscard]] TUMBLE_INLINE static Unit clamped(Open a, bool& fits) { return clamped_at<30>(a, fits); }
@@ -229,8 +229,12 @@ requires(N::fixed_point) struct JointNumbers<N> {
     // A quarter of that in a part of 2^-halvings of a step.
     [[nodiscard]] TUMBLE_INLINE static Unit quarter(typename N::Turn t, Factor to_angle, typename N::Scale scale,
                                                     int halvings) {
+        const int down = 32 + scale.turn_shift + 2 - to_angle.log2 + halvings;
+        const std::int64_t product = detail::multiply(t.raw, to_angle.mantissa);
         bool fits = true;
-        return clamped(angle(t, to_angle, scale, Unit::fraction_bits - 2 - halvings), fits);
+        if (down >= 32) [[likely]]
+            return clamped(static_cast<std::int32_t>(product >> 32) >> (down > 63 ? 31 : down - 32), fits);
+        return clamped(lowered(product, down), fits);
     }
     // True where a change of spin times 2^up, up to 6, is more than a quarter of the range.
     [[nodiscard]] TUMBLE_INLINE static bool is_wide(const typename N::TurnSum (&change)[3], int up) {
@@ -323,7 +327,7 @@ requires(!N::fixed_point) struct JointNumbers<N> {
     };
     static constexpr int most_down = 0;
     [[nodiscard]] TUMBLE_INLINE static Unit down(Unit a, int) { return a; }
-    [[nodiscard]] TUMBLE_INLINE static Unit over(Unit a, int) { return a; }
+    [[nodiscard]] TUMBLE_INLINE static Unit up(Unit a, int) { return a; }
     [[nodiscard]] TUMBLE_INLINE static Unit down_even(Unit a, int) { return a; }
     // With what the sums have left over.
     template <int>

@@ -3,6 +3,7 @@
 // A kind is a struct with:
 //   Spec                       as a program adds it, with `body`, `to_body` and `anchor`
 //   name                       for messages
+//   feature                    of Features: a world without it has no such joint
 //   turns, slides              the number of free rotations and of free translations
 //   axes                       the number of axes of each body that its gap and its free directions need: 0 to 2
 //   axes_of(spec)              the axes in the world when it is added
@@ -45,13 +46,22 @@ requires(std::is_same_v<Spec, typename Kind::Spec>) struct KindOfSpec<Spec, Kind
 template <class... Kinds>
 struct JointKindList {
     static constexpr int count = sizeof...(Kinds);
-    // But of a distance, which may have all six.
-    static constexpr int most_directions = [] {
+    // Of the kinds of a scene. A distance may have all six.
+    [[nodiscard]] static constexpr int most_directions(const Features& features) {
         int most = 0;
-        for (const int directions : {(Kinds::slides < 2 ? Kinds::turns + Kinds::slides : 0)...})
+        for (const int directions : {(!(features.*Kinds::feature) ? 0
+                                      : Kinds::slides < 2         ? Kinds::turns + Kinds::slides
+                                                                  : 6)...})
             if (directions > most) most = directions;
         return most;
-    }();
+    }
+    // True where a kind of the scene has so many free rotations, and so many free translations.
+    [[nodiscard]] static constexpr bool any_turns(const Features& features, int turns) {
+        return ((features.*Kinds::feature && Kinds::turns == turns) || ...);
+    }
+    [[nodiscard]] static constexpr bool any_slides(const Features& features, int slides) {
+        return ((features.*Kinds::feature && Kinds::slides == slides) || ...);
+    }
     template <class Spec>
     static constexpr bool has = (std::is_same_v<typename Kinds::Spec, Spec> || ...);
     // The kind of a spec, as a number.

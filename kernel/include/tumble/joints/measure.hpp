@@ -23,6 +23,7 @@ public:
     using Node = JointNode<N>;
     using Place = JointPlace<N>;
     using Record = JointRecord<N>;
+    using Tree = JointTree<N, features>;
     static constexpr int most_nodes = Forest::most_nodes;
 
     Place end[most_nodes];  // where the bodies are now; the nodes' own places are those of the factor
@@ -57,7 +58,8 @@ public:
                 if (node.slides > 1) reach_over(node, i, bodies);
                 else if (forest_.has_range(node)) hold_at_end(node, i, bodies);
             }
-            if (node.slides == 1) follow(node, at, bodies);
+            if constexpr (JointKinds::any_slides(features, 1))
+                if (node.slides == 1) follow(node, at, bodies);
         }
     }
     // Takes `end` over as the places of the factor, and factors.
@@ -121,11 +123,11 @@ public:
             auto& s = solution[i];
             const Place& at = end[i];
             // Turns are times the length: arms are over it.
-            Vector v = s.dv + cross<Unit>(turn_[i], lever(node, at)), w = turn_[i];
+            Vector v = s.dv + Tree::across(turn_[i], lever(node, at)), w = turn_[i];
             if (node.parent >= 0) {
                 const int parent_log2 = forest_.nodes()[node.parent].length_log2;
-                v -=
-                    solution[node.parent].dv + cross<Unit>(turn_[node.parent], over(at.arm, parent_log2 - at.arm_log2));
+                v -= solution[node.parent].dv +
+                     Tree::across(turn_[node.parent], over(at.arm, parent_log2 - at.arm_log2));
                 w -= down(turn_[node.parent], node.length_down);
             }
             leave_free(node, at, v, w);
@@ -248,6 +250,9 @@ public:
 
 private:
     static constexpr int most_halvings = JointForest<N, features>::most_halvings;
+    // A joint of the scene may hold an orientation.
+    static constexpr bool may_lean =
+        JointKinds::any_turns(features, 0) || JointKinds::any_turns(features, 1) || JointKinds::any_turns(features, 2);
 
     Forest& forest_;
     int of_spin_ = 0;          // of spin_
@@ -256,12 +261,17 @@ private:
     [[no_unique_address]] If<features.has_joint_ranges(), Open[most_nodes][3], 23>
         line_;  // between the points, of a distance
 
-    [[nodiscard]] TUMBLE_INLINE static Vector three(const Unit* x) { return JointTree<N>::three(x); }
-    TUMBLE_INLINE static void set_three(Unit* x, const Vector& v) { JointTree<N>::set_three(x, v); }
+    [[nodiscard]] TUMBLE_INLINE static Vector three(const Unit* x) { return Tree::three(x); }
+    TUMBLE_INLINE static void set_three(Unit* x, const Vector& v) { Tree::set_three(x, v); }
 
-    [[nodiscard]] TUMBLE_INLINE static Vector down(const Vector& v, int bits) { return JointTree<N>::down(v, bits); }
+    [[nodiscard]] TUMBLE_INLINE static Vector down(const Vector& v, int bits) { return Tree::down(v, bits); }
     [[nodiscard]] TUMBLE_INLINE static Vector over(const Vector& v, int bits) {
-        return {J::over(v[0], bits), J::over(v[1], bits), J::over(v[2], bits)};
+        if (!N::fixed_point || bits >= 0) [[likely]]
+            return down(v, bits);
+        return up(v, -bits);
+    }
+    [[nodiscard, gnu::noinline]] static Vector up(const Vector& v, int bits) {
+        return {J::up(v[0], bits), J::up(v[1], bits), J::up(v[2], bits)};
     }
 
     static void set_side(const Axes<N>& axes, const typename Record::Side& side, const Node& node,
@@ -284,7 +294,8 @@ private:
     }
     void set_directions(const Node& node, const Place& at) {
         FreeDirection<N>* const direction = forest_.directions() + node.direction;
-        if (node.slides == 1) direction[0].axis = at.other_axis[0];
+        if constexpr (JointKinds::any_slides(features, 1))
+            if (node.slides == 1) direction[0].axis = at.other_axis[0];
         if constexpr (features.has_joint_ranges()) {
             if (node.keeps_distance()) {
                 direction[0].axis = at.other_axis[0];
@@ -297,7 +308,8 @@ private:
         }
         if (node.turns == 3) return;
         if (node.turns > 0) direction[node.slides].axis = at.own_axis[0];
-        if (node.turns > 1) direction[node.slides + 1].axis = at.other_axis[0];
+        if constexpr (JointKinds::any_turns(features, 2))
+            if (node.turns > 1) direction[node.slides + 1].axis = at.other_axis[0];
     }
     // In 2^-gap_bits m.
     [[gnu::noinline]] void set_gap(const Node& node, const Place& at, const auto& bodies, Open (&gap)[3]) const {
@@ -429,10 +441,13 @@ private:
     // The turn, rad, that closes the gap between the orientations to first order: joints/list.hpp.
     [[nodiscard]] static Vector lean(const Node& node, const Place& at) {
         const Vector own = at.own_axis[0], other = at.other_axis[0];
-        Vector lean = cross<Unit>(own, other);
-        if (node.turns == 2) lean = along(lean, -narrow<Unit>(dot(own, other)));
-        if (node.turns == 0)
-            lean += along(own, narrow<Unit>(dot(own, cross<Unit>(Vector{at.own_axis[1]}, Vector{at.other_axis[1]}))));
+        Vector lean = Tree::across(own, other);
+        if constexpr (JointKinds::any_turns(features, 2))
+            if (node.turns == 2) lean = along(lean, -narrow<Unit>(dot(own, other)));
+        if constexpr (JointKinds::any_turns(features, 0) || features.joint_limits)
+            if (node.turns == 0)
+                lean +=
+                    along(own, narrow<Unit>(dot(own, Tree::across(Vector{at.own_axis[1]}, Vector{at.other_axis[1]}))));
         return lean;
     }
     // In 2^(coarser - gap_bits) m.
@@ -465,7 +480,7 @@ private:
                 detail::for_axes<N>([&](int k) { target[k] = -J::clamped(J::coarser(gap[k], coarser), fits); });
             }
             int log2 = is_distance ? log2_of_line(at) : at.own_log2 > at.arm_log2 ? at.own_log2 : at.arm_log2;
-            if (node.turns < 3) {
+            if (may_lean && node.turns < 3) {
                 const Vector turn = lean(node, at);
                 detail::for_axes<N>(
                     [&](int k) { target[3 + k] = J::lean(turn[k], node.length_log2, J::gap_bits - coarser, fits); });
@@ -488,7 +503,8 @@ private:
     }
     // A change of motion less its parts along free directions, which are open to any.
     TUMBLE_INLINE static void leave_free(const Node& node, const Place& at, Vector& v, Vector& w) {
-        if (node.slides == 1) leave(at.other_axis[0], v);
+        if constexpr (JointKinds::any_slides(features, 1))
+            if (node.slides == 1) leave(at.other_axis[0], v);
         if constexpr (features.has_joint_ranges()) {
             if (node.slides == 2) v = along(Vector{at.own_axis[0]}, narrow<Unit>(dot(Vector{at.own_axis[0]}, v)));
             if (node.slides == 3) v = Vector::Constant(Unit{});
@@ -498,7 +514,8 @@ private:
             return;
         }
         if (node.turns > 0) leave(at.own_axis[0], w);
-        if (node.turns > 1) leave(at.other_axis[0], w);
+        if constexpr (JointKinds::any_turns(features, 2))
+            if (node.turns > 1) leave(at.other_axis[0], w);
     }
     [[gnu::noinline]] static void leave(const StoredVec3<Unit>& axis, Vector& change) {
         change -= along(axis, narrow<Unit>(dot(axis, change)));
@@ -526,7 +543,7 @@ private:
                 own[k] =
                     J::clamped_half(J::angle(turn_of(bodies, node.body, k), node.to_angle[k], scale, of_spin), fits);
             });
-            spin_[i] = end[i].axes.to_world(own);
+            spin_[i] = Tree::to_world(end[i].axes, own);
         }
         return fits;
     }
@@ -587,7 +604,7 @@ private:
     }
 
     [[nodiscard, gnu::noinline, gnu::cold]] static Vector twice_across(const Vector& a, const Vector& b) {
-        const Vector across = cross<Unit>(a, b);
+        const Vector across = Tree::across(a, b);
         return across + across;
     }
     // The turn at the end by a change dw of the spin. Momenta are I_i / I_x times spins, over half a step where L is.
@@ -600,7 +617,7 @@ private:
         Axes<N> middle;
         for (int i = 0; i < 3; ++i)
             detail::for_axes<N>([&](int j) { middle.row[i][j] = J::mean(node.frame.row[i][j], at.axes.row[i][j]); });
-        Vector turn = middle.to_body(dw), quarter, momentum;
+        Vector turn = Tree::to_body(middle, dw), quarter, momentum;
         detail::for_axes<N>([&](int k) __attribute__((always_inline)) {
             turn[k] = node.per_share[k](narrow<Unit>(mul(turn[k], node.share[k])));
             quarter[k] = J::quarter(turn_of(bodies, node.body, k), node.to_angle[k], scale, halvings);
@@ -609,10 +626,10 @@ private:
         });
         const bool is_far = J::is_far(quarter[0]) || J::is_far(quarter[1]) || J::is_far(quarter[2]);
         if (is_far) momentum += twice_across(quarter, momentum);
-        const Vector more = cross<Unit>(momentum, turn);
+        const Vector more = Tree::across(momentum, turn);
         detail::for_axes<N>([&](int k) { turn[k] += node.per_share[k](more[k]); });
         if (is_far) turn -= twice_across(quarter, twice_across(quarter, turn));
-        return middle.to_world(turn);
+        return Tree::to_world(middle, turn);
     }
 };
 

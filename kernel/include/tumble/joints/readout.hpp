@@ -41,20 +41,23 @@ public:
     template <class T>
     [[nodiscard]] JointReadout<T> read() const {
         JointReadout<T> to;
-        const int turns = JointKinds::turns[joint_.kind];
-        if (turns == 1 || turns == 2) {
-            to.angle = static_cast<T>(angle(0, turns == 2));
-            to.speed = static_cast<T>(dot(axis(0, 0), relative_spin()));
-        }
-        if (turns == 2) {
-            to.to_angle = -static_cast<T>(angle(1, true));
-            to.to_speed = static_cast<T>(dot(axis(1, 0), relative_spin()));
-        }
-        if (JointKinds::slides[joint_.kind] == 1) {
-            to.travel = static_cast<T>(dot(axis(1, 0), Vector(anchor(0) - anchor(1))));
-            to.speed = static_cast<T>(slide_rate());
-        }
-        if constexpr (features.has_joint_ranges())
+        [[maybe_unused]] const int turns = JointKinds::turns[joint_.kind];
+        if constexpr (JointKinds::any_turns(features, 1) || JointKinds::any_turns(features, 2))
+            if (turns == 1 || turns == 2) {
+                to.angle = static_cast<T>(angle(0, turns == 2));
+                to.speed = static_cast<T>(dot(axis(0, 0), relative_spin()));
+            }
+        if constexpr (JointKinds::any_turns(features, 2))
+            if (turns == 2) {
+                to.to_angle = -static_cast<T>(angle(1, true));
+                to.to_speed = static_cast<T>(dot(axis(1, 0), relative_spin()));
+            }
+        if constexpr (JointKinds::any_slides(features, 1))
+            if (JointKinds::slides[joint_.kind] == 1) {
+                to.travel = static_cast<T>(dot(axis(1, 0), Vector(anchor(0) - anchor(1))));
+                to.speed = static_cast<T>(slide_rate());
+            }
+        if constexpr (features.distances)
             if (JointKinds::slides[joint_.kind] == 2) {
                 const Vector line = anchor(0) - anchor(1), rate = point_velocity(0) - point_velocity(1);
                 const Work length = sqrt(dot(line, line));

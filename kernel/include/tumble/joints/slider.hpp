@@ -8,6 +8,7 @@ namespace tumble::joints {
 struct Slider {
     using Spec = SliderSpec;
     static constexpr const char* name = "slider";
+    static constexpr bool Features::*feature = &Features::sliders;
     static constexpr int turns = 0, slides = 1, axes = 2;
 
     [[nodiscard]] static constexpr detail::JointAxes axes_of(const Spec& spec) { return detail::axes_about(spec.axis); }

@@ -109,9 +109,12 @@ struct JointSolution {
 };
 
 // The nodes first .. last - 1, parents before children.
-template <class N>
+template <class N, Features features>
 class JointTree {
 public:
+    // A joint of the scene may slide along an axis, and may turn about all of them.
+    static constexpr bool may_slide = JointKinds::any_slides(features, 1) || JointKinds::any_slides(features, 2),
+                          may_turn_freely = JointKinds::any_turns(features, 3);
     using J = JointNumbers<N>;
     using Unit = typename N::Unit;
     using Vector = Vec3<Unit>;
@@ -150,6 +153,19 @@ public:
             set_motion(node, solution[i], node.holder >= 0 ? &solution[node.holder] : nullptr);
         }
     }
+    // Out of line in fixed point, where each takes 110 bytes or more.
+    [[nodiscard]] TUMBLE_INLINE static Vector across(const Vector& a, const Vector& b) {
+        if constexpr (N::fixed_point) return called_across(a, b);
+        else return cross<Unit>(a, b);
+    }
+    [[nodiscard]] TUMBLE_INLINE static Vector to_body(const Axes<N>& axes, const Vector& v) {
+        if constexpr (N::fixed_point) return called_to_body(axes, v);
+        else return axes.to_body(v);
+    }
+    [[nodiscard]] TUMBLE_INLINE static Vector to_world(const Axes<N>& axes, const Vector& v) {
+        if constexpr (N::fixed_point) return called_to_world(axes, v);
+        else return axes.to_world(v);
+    }
     [[nodiscard]] TUMBLE_INLINE static Vector down(const Vector& v, int bits) {
         if (!N::fixed_point || bits == 0) return v;
         const typename J::Down by{clamped(bits)};
@@ -173,6 +189,16 @@ public:
 
 private:
     using Matrix = JointMatrix<Unit>;
+
+    [[nodiscard, gnu::noinline]] static Vector called_across(const Vector& a, const Vector& b) {
+        return cross<Unit>(a, b);
+    }
+    [[nodiscard, gnu::noinline]] static Vector called_to_body(const Axes<N>& axes, const Vector& v) {
+        return axes.to_body(v);
+    }
+    [[nodiscard, gnu::noinline]] static Vector called_to_world(const Axes<N>& axes, const Vector& v) {
+        return axes.to_world(v);
+    }
 
     Node* node_;
     Direction* direction_;
@@ -233,14 +259,14 @@ private:
                 t[r] = direction.turns ? node.c[r][i] : node.b[i][r];
             }
             d = direction.turns ? t[i] : u[i];
-        } else if (direction.turns) {
+        } else if (!may_slide || direction.turns) {
             const Vector axis = direction.axis;
             detail::for_axes<N>([&](int r) {
                 u[r] = nar(dot3(node.b[r], axis));
                 t[r] = nar(dot3(node.c[r], axis));
             });
             d = nar(dot(axis, t));
-        } else {
+        } else if constexpr (may_slide) {
             set_slide(node, direction.axis, u, t);
             d = nar(dot(Vector{direction.axis}, u));
         }
@@ -260,7 +286,7 @@ private:
         for (int r = 0; r < 3; ++r) {
             const Unit ur = direction.u[r], tr = direction.t[r];
             take_off(node.a[r], ur, u);
-            if (is_third_turn) {
+            if (may_turn_freely && is_third_turn) {
                 set_three(node.b[r], Vector::Constant(Unit{}));
                 set_three(node.c[r], Vector::Constant(Unit{}));
             } else {
@@ -338,7 +364,7 @@ private:
     TUMBLE_INLINE static void hand_on(const Node& node, const Solution& s, Unit (&parent)[6]) {
         const Vector v = three(s.target), w = three(s.target + 3);
         Unit impulse[6];
-        const bool is_whole = node.turns < 3;  // else B and C are zero
+        const bool is_whole = !may_turn_freely || node.turns < 3;  // else B and C are zero
         for (int r = 0; r < 3; ++r) {
             auto sum = dot3(node.a[r], v);
             if (is_whole) sum = add_dot(sum, node.b[r], w);

@@ -8,6 +8,7 @@ namespace tumble::joints {
 struct Universal {
     using Spec = UniversalSpec;
     static constexpr const char* name = "universal";
+    static constexpr bool Features::*feature = &Features::universals;
     static constexpr int turns = 2, slides = 0, axes = 1;
 
     // The other's axis less its part along the body's. The second axes show the angles: each is the first of the other.

@@ -113,6 +113,12 @@ protected:
     template <JointSpec Spec>
     JointId add(const Spec& spec) requires(features.has_joints()) {
         refuse_to_record();
+        JointId id;
+        detail::run_once([&] { id = add_joint(spec); });
+        return id;
+    }
+    template <JointSpec Spec>
+    TUMBLE_COLD JointId add_joint(const Spec& spec) requires(features.has_joints()) {
         const JointFault fault = fault_of(spec);
         TUMBLE_ASSERT(fault == JointFault::none || is_refused(fault));
         if (fault != JointFault::none) {
