@@ -110,7 +110,9 @@ TEST(Compile, joints_have_their_ends_springs_and_strengths_and_no_feature_that_t
                   ".limits = {\n                .least = -0.5,   // rad or m\n                .most = 1.25,",
                   ".break_torque = 7.5,   // N m\n", ".joint_springs = true,", ".joint_limits = true,",
                   ".joint_breaks = true,"});
-    for (const char* part : {".distances", ".removal", ".break_force"}) EXPECT_FALSE(has(hinge, part)) << part;
+    for (const char* part : {".distances", ".removal", ".break_force", ".hinges"})
+        EXPECT_FALSE(has(hinge, part)) << part;
+    expect_parts(hinge, {".balls = false,", ".fixed_joints = false,", ".sliders = false,", ".universals = false,"});
     expect_parts(rope, {"tumble::DistanceSpec{   // \"a to world\"\n            .body = 0,\n            .to_point = "
                         "{0.0, 2.0, 0.0},   // m\n            .most = 2.5,   // m\n",
                         ".break_force = 40.0,   // N\n", ".distances = true,", ".joint_breaks = true,"});
