@@ -28,7 +28,7 @@ public:
     using Base::find_bodies_of_trees, Base::has_moving_end, Base::is_coupled, Base::steps_with_trees,
         Base::touches_with_coupled;
     using typename Base::Integrator, typename Base::State, typename Base::Bodies, typename Base::BodyGroup,
-        typename Base::Kinematics;
+        typename Base::Kinematics, typename Base::Pieces;
 
     // Adds a body at a place, which is free: the end or one that a body has left.
     constexpr void add(const BodySpec& spec, const PrincipalInertia& inertia, int b) {

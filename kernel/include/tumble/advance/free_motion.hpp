@@ -14,9 +14,10 @@ public:
     constexpr FreeMotion(Seconds step, const WorldSpec& spec) : Base{step, spec} {}
     using Base::check_range, Base::spin_changed, Base::whole;
     using Base::has_loads, Base::rotation, Base::has_wrenches, Base::fall_in_halves, Base::bodies, Base::loads,
-        Base::wrenches, Base::inertia_;
+        Base::wrenches, Base::inertia_, Base::alone_, Base::flies_parts_alone;
     using typename Base::N, typename Base::Integrator, typename Base::DriftSum, typename Base::TurnSum,
-        typename Base::State, typename Base::Bodies, typename Base::BodyGroup, typename Base::Inertia;
+        typename Base::State, typename Base::Bodies, typename Base::BodyGroup, typename Base::Inertia,
+        typename Base::PartAlone;
 
     void check_range(const BodyGroup& group) {
         for (int k = 0; k < group.count; ++k) {
@@ -126,6 +127,8 @@ public:
     [[gnu::noinline]] void rotate_flight(int b, const StepInfo<N>& info) { rotate(b, info); }
     TUMBLE_INLINE void rotate_once(int b, const StepInfo<N>& info) requires(rotation) {
         const auto run = [&] {
+            if constexpr (flies_parts_alone)
+                if (alone_.is_flown) return PartAlone::template rotate<N>(bodies.state[b], alone_.inertia[b], info);
             if constexpr (has_loads && requires { Integrator::template rotate_called<N>; })
                 return Integrator::template rotate_called<N>(bodies.state[b], inertia_[b], info);
             else return Integrator::template rotate<N>(bodies.state[b], inertia_[b], info);

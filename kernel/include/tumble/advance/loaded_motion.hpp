@@ -13,11 +13,13 @@ class LoadedMotion : public KinematicMotion<S> {
 public:
     constexpr LoadedMotion(Seconds step, const WorldSpec& spec) : Base{step, spec} {}
     using Base::features, Base::has_loads, Base::rotation, Base::has_wrenches, Base::keeps_kicks, Base::spin,
-        Base::bodies, Base::loads, Base::wrenches, Base::inertia_, Base::kept_, Base::places_;
+        Base::bodies, Base::loads, Base::wrenches, Base::inertia_, Base::alone_, Base::flies_parts_alone, Base::kept_,
+        Base::places_;
     using Base::half_turn_by_wrenches, Base::lose_kick, Base::over_part, Base::rotate, Base::spins_changed,
         Base::unloaded, Base::whole;
     using typename Base::N, typename Base::Integrator, typename Base::Work, typename Base::DriftSum,
-        typename Base::Bodies, typename Base::BodyGroup, typename Base::Inertia;
+        typename Base::Bodies, typename Base::BodyGroup, typename Base::Inertia, typename Base::PartAlone,
+        typename Base::PartInertia;
 
     // True of a body that feels anything but gravity in this step, at stages or as a constant change.
     [[nodiscard]] bool is_driven(int b) const {
@@ -152,23 +154,29 @@ private:
         requires(const Translations<N, spin, 1>& group, const detail::NoLoads<N>& loads, const StepInfo<N>& info) {
         Integrator::template advance<N, 1>(group, loads, info);
     };
-    template <int capacity>
-    using Staged = std::conditional_t<rotation, Group<N, spin, Inertia, capacity, features.mixed() || translates>,
+    template <int capacity, class Constants>
+    using Staged = std::conditional_t<rotation, Group<N, spin, Constants, capacity, features.mixed() || translates>,
                                       Translations<N, spin, capacity>>;
-    // Bodies that the loads do not turn rotate freely, and the loads move their centres of mass.
     template <int capacity, class Evaluate>
     void staged(const BodyGroup& ids, const Evaluate& evaluate, const StepInfo<N>& info) {
-        Staged<capacity> group;
+        if constexpr (flies_parts_alone)
+            if (alone_.is_flown) return staged<PartAlone, PartInertia, capacity>(ids, evaluate, info, alone_.inertia);
+        staged<Integrator, Inertia, capacity>(ids, evaluate, info, inertia_);
+    }
+    // Bodies that the loads do not turn rotate freely, and the loads move their centres of mass.
+    template <class Method, class Constants, int capacity, class Evaluate>
+    void staged(const BodyGroup& ids, const Evaluate& evaluate, const StepInfo<N>& info, auto& inertia) {
+        Staged<capacity, Constants> group;
         group.set_count(ids.count);
         for (int k = 0; k < ids.count; ++k) {
             const int b = ids.id[k];
             group.body[k] = &bodies.state[b];
             if constexpr (rotation) {
                 if (!evaluate.turned) rotate(b, info);
-                else if (bodies.rotates(b)) group.inertia[k] = &inertia_[b];
+                else if (bodies.rotates(b)) group.inertia[k] = &inertia[b];
             }
         }
-        if (!Integrator::template advance<N, capacity>(group, evaluate, info))
+        if (!Method::template advance<N, capacity>(group, evaluate, info))
             bodies.report(Issue::step_bound_hit, ids.id[0]);
         if constexpr (rotation) {
             if constexpr (Bodies::has_parts)

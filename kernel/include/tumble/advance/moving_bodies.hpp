@@ -86,6 +86,17 @@ public:
     [[nodiscard]] constexpr DriftSum whole_fall(int i) const { return whole(gravity_[i]); }
 
     using Inertia = typename Integrator::template Inertia<N>;
+    // Trees of joints fly each part of a composition by itself.
+    static constexpr bool flies_parts_alone = has_joints && requires { typename Integrator::PartAlone; };
+    using PartAlone = decltype([] {
+        if constexpr (flies_parts_alone) return typename Integrator::PartAlone{};
+        else return Integrator{};
+    }());
+    using PartInertia = typename PartAlone::template Inertia<N>;
+    struct PartsAlone {
+        typename detail::RoomFor<PartInertia, features.bodies>::Array inertia{};
+        bool is_flown = false;
+    };
     void forget_kicks([[maybe_unused]] const BodyGroup& group) {
         if constexpr (keeps_kicks)
             for (int k = 0; k < group.count; ++k) kept_.of_body[group.id[k]].age = 0;
@@ -99,6 +110,7 @@ public:
     static constexpr bool may_tumble = rotation && features.moving_surfaces() && features.bodies > 0;
     constexpr void set_inertia(int b, const RealVec3& moments) requires rotation {
         inertia_[b] = Inertia::of(moments, bodies.scale);
+        if constexpr (flies_parts_alone) alone_.inertia[b] = PartInertia::of(moments, bodies.scale);
         if constexpr (may_tumble)
             if (bodies.constants[b].fixed()) sphere_ = Inertia::of({1, 1, 1}, bodies.scale);
     }
@@ -132,6 +144,7 @@ public:
     [[no_unique_address]] Bodies bodies;
     // Behind the bodies, where it may fill the end of their last word.
     [[no_unique_address]] If<rotation, typename detail::RoomFor<Inertia, features.bodies>::Array, 1> inertia_{};
+    [[no_unique_address]] If<flies_parts_alone, PartsAlone, 16> alone_{};
     [[no_unique_address]] If<may_tumble, Inertia, 13> sphere_{};  // of a fixed body that would tumble
     [[no_unique_address]] If<has_loads, Loads, 0> loads;
     [[no_unique_address]] If<has_wrenches, Wrenches<N, rotation, features.bodies>, 6> wrenches;

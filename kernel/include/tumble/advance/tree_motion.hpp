@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tumble/advance/motion_in_parts.hpp>
+#include <tumble/integrators/suzuki4.hpp>
 #include <tumble/joints/hold.hpp>
 
 namespace tumble {
@@ -14,9 +15,9 @@ public:
     constexpr TreeMotion(Seconds step, const WorldSpec& spec) : Base{step, spec} {}
     using Base::check_range, Base::disturb, Base::is_coupled, Base::portion, Base::spin_changed;
     using Base::features, Base::has_joints, Base::may_couple, Base::spring_bounds, Base::bodies, Base::loads,
-        Base::joints, Base::with_trees_;
-    using typename Base::N, typename Base::Work, typename Base::Bodies, typename Base::BodyGroup, typename Base::Loads,
-        typename Base::Portion;
+        Base::joints, Base::with_trees_, Base::alone_, Base::flies_parts_alone;
+    using typename Base::N, typename Base::Integrator, typename Base::Work, typename Base::Bodies,
+        typename Base::BodyGroup, typename Base::Loads, typename Base::Portion;
 
     // Adds a joint that has no fault; returns its place.
     template <class Spec>
@@ -127,7 +128,18 @@ public:
                                        [&](int j) { return joints.acts(j); }, bodies);
     }
 
+    // With joints a method of order four flies the five pieces of Suzuki's composition. Its own flights are symmetric
+    // to this order.
+    using Pieces = std::conditional_t<(Integrator::order > 2), detail::Suzuki4Parts, detail::OnePart>;
+
 private:
+    struct Lengths {
+        consteval Lengths() {
+            for (int i = 0; i < Pieces::count; ++i) of[i] = N::template constant<Work>(Pieces::of(i));
+        }
+        Work of[Pieces::count]{};
+    };
+    static constexpr Lengths lengths_of_pieces{};
     // Reports a step that is surely too long for a spring of a joint: with the inertia of what hangs on it along its
     // free direction as if the other side stood still, which is more than the motion has. The factor must be that of
     // now.
@@ -161,14 +173,18 @@ private:
                 open.add(other);
             });
     }
-    using Hold = JointHold<Bodies, features, may_couple>;
+    using Hold = JointHold<Bodies, features, may_couple, Pieces>;
     // A step of trees, with all bodies that step together.
     [[gnu::noinline]] void hold(const typename Hold::Trees& trees, const BodyGroup& group,
                                 const StepInfo<N>& info) requires has_joints {
-        const auto fly = [&](int halvings) {
-            portion(group, info, halvings == 0 ? Portion{} : Portion{false, Hold::length_of_part(halvings)});
+        const auto fly = [&](int halvings, [[maybe_unused]] int piece) {
+            if constexpr (Pieces::count == 1)
+                portion(group, info, halvings == 0 ? Portion{} : Portion{false, Hold::length_of_part(halvings)});
+            else portion(group, info, {false, Hold::length_of_part(halvings) * lengths_of_pieces.of[piece]});
         };
+        if constexpr (flies_parts_alone) alone_.is_flown = true;
         Hold{joints, bodies, trees}.step(group, fly, [&](int b) { spin_changed(b); });
+        if constexpr (flies_parts_alone) alone_.is_flown = false;
         if constexpr (features.has_joint_springs())
             for (int t = 0; t < trees.count; ++t)
                 if (JointTreeState& tree = joints.tree(trees.tree[t]); tree.is_new) check_springs(tree);

@@ -22,6 +22,7 @@
 //                                   evaluate.kept_kick()
 //   rotate_called<N>                rotate() out of line, if advance() turns bodies by the same code: worlds with loads
 //                                   then have it once
+//   PartAlone                       the method of a part of a composition, if joints may fly it by itself
 //   not_in_fixed_point              if the method is for floating point only: the reason for the user; see runs_in
 // A new method is one such header and one line in integrators/list.hpp. World checks the required members by the
 // concept Method below.

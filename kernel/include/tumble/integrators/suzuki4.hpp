@@ -4,8 +4,7 @@
 // act. No division, no square root.
 #pragma once
 
-#include <tumble/integrators/kick_drift_kick.hpp>
-#include <tumble/integrators/rotation/symmetric_top.hpp>
+#include <tumble/integrators/verlet.hpp>
 
 namespace tumble {
 
@@ -33,6 +32,7 @@ struct Suzuki4 : KickDriftKick<Composed<SymmetricTopFlow, tumble::detail::Suzuki
     static constexpr const char* name = "suzuki4";
     static constexpr int order = 4;
     static constexpr bool exact_for_spheres = true;
+    using PartAlone = Verlet;
 };
 
 }  // namespace integrators

@@ -17,6 +17,11 @@
 // in most_corrections, or whose half kicks are beyond the range, is halved too. After most_halvings it is projected: it
 // flies without its joints, places are moved until the gaps are closed, and the rates across the joints end, which can
 // only lower the kinetic energy. It is reported. Half kicks are those of a part.
+//
+// This is of order two. A composition of such parts, some of negative length, has the order of the composition
+// (Suzuki, see integrators/suzuki4.hpp): each of its pieces is a flight and a pair of half kicks of its own. The motion
+// is reversible, so a half kick of a piece is that of the one before times the ratio of their lengths, and the guess of
+// it. Ranges of joints end and slacken in pieces that go forward.
 #pragma once
 
 #include <tumble/body/orientation.hpp>
@@ -36,8 +41,9 @@ struct JointTrees {
     void add(int t) { tree[count++] = static_cast<std::int16_t>(t); }
 };
 
-// `couples`: trees step together where loads couple their bodies. Else each steps by itself.
-template <class Bodies, Features features, bool couples>
+// `couples`: trees step together where loads couple their bodies. Else each steps by itself. `Pieces` of a part: count,
+// and of(i), their lengths in parts, of which the first and the last are the same.
+template <class Bodies, Features features, bool couples, class Pieces>
 class JointHold {
 public:
     using N = typename Bodies::Numbers;
@@ -56,8 +62,8 @@ public:
     JointHold(Forest& forest, Bodies& bodies, const Trees& trees)
         : forest_{forest}, bodies_{bodies}, trees_{trees}, measures_{forest} {}
 
-    // One step of a group, which holds all bodies of the trees. fly(n): moves the group over a part of 2^-n of the
-    // step. spin_changed(b): something other than a flight has changed the spin of b.
+    // One step of a group, which holds all bodies of the trees. fly(n, i): moves the group over piece i of a part of
+    // 2^-n of the step. spin_changed(b): something other than a flight has changed the spin of b.
     template <class Fly, class SpinChanged>
     void step(const Group& group, Fly&& fly, SpinChanged&& spin_changed) {
         halvings_ = 0;
@@ -90,18 +96,72 @@ private:
     const Trees& trees_;
     JointMeasures<N, features> measures_;
     Vector first_v_[Forest::most_nodes], first_w_[Forest::most_nodes];
-    // Where a part begins: motions, status, and half kicks of the joints.
-    SavedMotions<Bodies> start_;
-    Status status_;
-    Kick<N> guess_[Forest::most_nodes];
+    // Where a flight begins: motions, status, half kicks of the joints, and the ends at which those with a range are.
+    struct Start {
+        SavedMotions<Bodies> motions;
+        Status status;
+        Kick<N> guess[Forest::most_nodes];
+        [[no_unique_address]] If<features.has_joint_ranges(), std::int8_t[Forest::most_nodes], 25> end;
+    };
+    static constexpr bool has_pieces = Pieces::count > 1;
+    Start start_;
     int halvings_ = 0;  // of the step, in the present part
-    // Of joints with a range: the end where the part begins, and whether it has changed in the part.
-    [[no_unique_address]] If<features.has_joint_ranges(), std::int8_t[Forest::most_nodes], 25> end_;
+    // Of joints with a range: whether the end has changed in the part.
     [[no_unique_address]] If<features.has_joint_ranges(), bool[Forest::most_nodes], 24> is_changed_;
+    [[no_unique_address]] If<has_pieces, Start, 26> part_;  // where the part begins
+    [[no_unique_address]] If<has_pieces, int, 27> piece_;
+
+    [[nodiscard]] int piece() const {
+        if constexpr (has_pieces) return piece_;
+        else return 0;
+    }
+    // A number as a fraction times 2^doublings.
+    struct Factor {
+        typename N::Fraction fraction;
+        int doublings;
+        static consteval Factor of(Real a) {
+            int doublings = 0;
+            for (; abs(a) >= Real{1}; ++doublings) a = a * Real::scaled(1, -1);
+            return {N::template constant<typename N::Fraction>(a), doublings};
+        }
+    };
+    struct Factors {
+        consteval Factors() {
+            for (int i = 0; i < Pieces::count; ++i) {
+                const Real next = Pieces::of(i + 1 < Pieces::count ? i + 1 : 0);
+                per_part[i] = Factor::of(Real{1} / Pieces::of(i));
+                to_next[i] = Factor::of(next / Pieces::of(i));
+                length[i] = N::template constant<Unit>(Pieces::of(i));
+                goes_back[i] = Pieces::of(i).is_negative();
+            }
+        }
+        Factor per_part[Pieces::count]{};  // parts in a piece
+        Factor to_next[Pieces::count]{};   // the next piece in this one
+        Unit length[Pieces::count]{};      // in parts
+        bool goes_back[Pieces::count]{};
+    };
+    static constexpr Factors factors{};
+    [[nodiscard]] bool goes_back() const { return has_pieces && factors.goes_back[piece()]; }
 
     // Takes a part. Where it has to be shorter the group is where the part begins, and the result is false.
     template <class Fly, class SpinChanged>
     [[nodiscard]] bool is_taken(const Group& group, Fly& fly, SpinChanged& spin_changed) {
+        if constexpr (has_pieces) {
+            save(part_, group);
+            for (piece_ = 0; piece_ < Pieces::count; ++piece_) {
+                if (!is_flown(group, fly, spin_changed)) {
+                    begin_part_anew(part_, group, spin_changed);
+                    return false;
+                }
+                each([&](const JointTreeState& tree) { stretch_kicks(tree, factors.to_next[piece_]); });
+            }
+            return true;
+        } else {
+            return is_flown(group, fly, spin_changed);
+        }
+    }
+    template <class Fly, class SpinChanged>
+    [[nodiscard]] TUMBLE_INLINE bool is_flown(const Group& group, Fly& fly, SpinChanged& spin_changed) {
         const bool moved = is_moved(group, fly, spin_changed);
         if (!moved) [[unlikely]] {
             if (halvings_ < most_halvings) return false;
@@ -116,15 +176,19 @@ private:
         });
         if (wanted <= halvings_) [[likely]]
             return true;
-        go_back(group, spin_changed);
+        if constexpr (!has_pieces) begin_part_anew(start_, group, spin_changed);
+        return false;
+    }
+    template <class SpinChanged>
+    void begin_part_anew(const Start& from, const Group& group, SpinChanged& spin_changed) {
+        go_back(from, group, spin_changed);
         each([&](JointTreeState& tree) {
             if constexpr (features.has_joint_ranges())
                 for (int i = tree.first; i < tree.last; ++i)
-                    if (Node& node = forest_.nodes()[i]; forest_.has_range(node)) forest_.set_end(node, end_[i]);
-            begin_anew(tree);
+                    if (Node& node = forest_.nodes()[i]; forest_.has_range(node)) forest_.set_end(node, from.end[i]);
+            begin_anew(from, tree);
             tree.is_disturbed = false;
         });
-        return false;
     }
     // From the beginning of a part to half of it.
     [[gnu::noinline, gnu::cold]] void halve() {
@@ -134,21 +198,14 @@ private:
     // Moves the group over a part, closed at its end. Else it is where the part begins, and the result is false.
     template <class Fly, class SpinChanged>
     [[nodiscard]] bool is_moved(const Group& group, Fly& fly, SpinChanged& spin_changed) {
-        for (int k = 0; k < group.count; ++k) start_.save(k, bodies_, group.id[k]);
-        status_ = bodies_.status;
-        each([&](const JointTreeState& tree) {
-            each_node(tree, [&](const Node&, int i) { copy(guess_[i], forest_.kicks()[i]); });
-        });
+        save(start_, group);
         if constexpr (features.has_joint_ranges())
             each([&](const JointTreeState& tree) {
-                each_node(tree, [&](const Node& node, int i) {
-                    is_changed_[i] = false;
-                    if (forest_.has_range(node)) end_[i] = forest_.range(node).end;
-                });
+                each_node(tree, [&](const Node&, int i) { is_changed_[i] = false; });
             });
         for (int corrections = 0;; ++corrections) {
             each([&](const JointTreeState& tree) { kick(tree, spin_changed); });
-            fly(halvings_);
+            fly(halvings_, piece());
             bool closed = true, within = true;
             each([&](JointTreeState& tree) {
                 if (!is_closed(tree, corrections == 0)) {
@@ -162,19 +219,32 @@ private:
                     bool is_other = false;
                     each([&](const JointTreeState& tree) { is_other = change_ends(tree) || is_other; });
                     if (!is_other) return true;
-                    go_back(group, spin_changed);
-                    each([&](JointTreeState& tree) { begin_anew(tree); });
+                    go_back(start_, group, spin_changed);
+                    each([&](JointTreeState& tree) { begin_anew(start_, tree); });
                     corrections = -1;
                     continue;
                 }
             }
             if (closed) return true;
-            go_back(group, spin_changed);
+            go_back(start_, group, spin_changed);
             if (corrections == most_corrections || (!within && halvings_ < most_halvings)) [[unlikely]]
                 break;
         }
-        each([&](const JointTreeState& tree) { take_guess(tree); });
+        each([&](const JointTreeState& tree) { take_guess(start_, tree); });
         return false;
+    }
+    TUMBLE_INLINE void save(Start& start, const Group& group) {
+        for (int k = 0; k < group.count; ++k) start.motions.save(k, bodies_, group.id[k]);
+        start.status = bodies_.status;
+        each([&](const JointTreeState& tree) {
+            each_node(tree, [&](const Node&, int i) { copy(start.guess[i], forest_.kicks()[i]); });
+        });
+        if constexpr (features.has_joint_ranges())
+            each([&](const JointTreeState& tree) {
+                each_node(tree, [&](const Node& node, int i) {
+                    if (forest_.has_range(node)) start.end[i] = forest_.range(node).end;
+                });
+            });
     }
 
     // Without a call.
@@ -227,12 +297,17 @@ private:
             first_v_[i] = measures_.solution[i].dv;
             first_w_[i] = measures_.solution[i].dw;
         });
-        measures_.take_off_effect(tree, bodies_, halvings_);
+        if constexpr (has_pieces)
+            measures_.take_off_effect(tree, bodies_, halvings_,
+                                      [&](Unit turn) { return narrow<Unit>(mul(turn, factors.length[piece_])); });
+        else measures_.take_off_effect(tree, bodies_, halvings_, [](Unit turn) { return turn; });
         solve(tree);
         each_node(tree, [&](const Node& node, int i) {
             measures_.solution[i].dv += first_v_[i];
             measures_.solution[i].dw += first_w_[i];
-            add(forest_.kicks()[i], change(node, i, halvings_), within);
+            Kick<N> more = change(node, i, halvings_);
+            if constexpr (has_pieces) more = times(more, factors.per_part[piece_], within);
+            add(forest_.kicks()[i], more, within);
         });
     }
     // Adds to a half kick, held within a quarter of the range. Clears `within` where it is.
@@ -241,6 +316,18 @@ private:
             to.linear[k] = J::clamped(to.linear[k] + J::clamped(change.linear[k], within), within);
             to.angular[k] = J::clamped(to.angular[k] + J::clamped(change.angular[k], within), within);
         });
+    }
+    [[nodiscard]] static Kick<N> times(Kick<N> kick, const Factor& factor, bool& within) {
+        for (int k = 0; k < 3; ++k) {
+            kick.linear[k] = N::part(kick.linear[k], factor.fraction);
+            kick.angular[k] = N::part(kick.angular[k], factor.fraction);
+        }
+        for (int n = 0; n < factor.doublings; ++n) add(kick, kick, within);
+        return kick;
+    }
+    void stretch_kicks(const JointTreeState& tree, const Factor& factor) {
+        bool within = true;
+        each_node(tree, [&](const Node&, int i) { forest_.kicks()[i] = times(forest_.kicks()[i], factor, within); });
     }
     // Half kicks are of a part: those of 2^-from of a step become those of 2^-to with the same forces.
     void scale_kicks(const JointTreeState& tree, int from, int to) {
@@ -259,12 +346,12 @@ private:
         });
     }
     template <class SpinChanged>
-    [[gnu::noinline]] void go_back(const Group& group, SpinChanged& spin_changed) {
+    [[gnu::noinline]] void go_back(const Start& start, const Group& group, SpinChanged& spin_changed) {
         for (int k = 0; k < group.count; ++k) {
-            start_.restore(k, bodies_, group.id[k]);
+            start.motions.restore(k, bodies_, group.id[k]);
             spin_changed(group.id[k]);
         }
-        bodies_.status = status_;
+        bodies_.status = start.status;
     }
     template <class SpinChanged>
     void end(JointTreeState& tree, SpinChanged& spin_changed) {
@@ -279,7 +366,8 @@ private:
             if (!within) [[unlikely]]
                 tree.is_disturbed = true;
         });
-        divide(tree, measures_.halvings_for(tree, halvings_));
+        // A kick of a piece counts as that of the longest, but for the longest.
+        if (!goes_back()) divide(tree, measures_.halvings_for(tree, halvings_));
     }
     // The changes of motion that end the rates across the joints. A rope that would push for it goes slack, and a joint
     // that its end would pull leaves it. The bodies must be placed, and the factor must be that of there.
@@ -289,7 +377,7 @@ private:
             solve(tree);
             slackens = false;
             if constexpr (features.has_joint_ranges()) {
-                if (!tree.has_ranges) return;
+                if (!tree.has_ranges || goes_back()) return;
                 measures_.for_each_that_pushes(tree, [&](Node& node, int) {
                     forest_.set_end(node, 0);
                     slackens = true;
@@ -305,13 +393,13 @@ private:
     // does not go slack any more.
     [[nodiscard, gnu::noinline]] bool change_ends(const JointTreeState& tree) requires(features.has_joint_ranges()) {
         bool any = false;
-        if (!tree.has_ranges) return any;
+        if (!tree.has_ranges || goes_back()) return any;
         const auto change = [&](Node& node, int i, int end) {
             if (end == 0 && is_changed_[i]) return;
             is_changed_[i] = any = true;
             forest_.set_end(node, end);
             // The half kick that ended the last part held it: it is no guess any more.
-            if (end == 0) each_node(tree, [&](const Node&, int k) { guess_[k] = {}; });
+            if (end == 0) each_node(tree, [&](const Node&, int k) { start_.guess[k] = {}; });
         };
         for (int i = tree.first; i < tree.last; ++i) {
             Node& node = forest_.nodes()[i];
@@ -323,13 +411,13 @@ private:
         return any;
     }
     // Where the bodies are back at the start of a part, and the factor is that of its end or of other ends of ranges.
-    void begin_anew(JointTreeState& tree) {
+    void begin_anew(const Start& start, JointTreeState& tree) {
         measures_.place(tree, bodies_);
         measures_.factor(tree);
-        take_guess(tree);
+        take_guess(start, tree);
     }
-    void take_guess(const JointTreeState& tree) {
-        each_node(tree, [&](const Node&, int i) { copy(forest_.kicks()[i], guess_[i]); });
+    void take_guess(const Start& start, const JointTreeState& tree) {
+        each_node(tree, [&](const Node&, int i) { copy(forest_.kicks()[i], start.guess[i]); });
     }
     // The parts that the next step is to have.
     void divide(JointTreeState& tree, int halvings) {
@@ -339,7 +427,7 @@ private:
     }
     template <class Fly>
     [[gnu::noinline, gnu::cold]] void project(Fly& fly) {
-        fly(halvings_);
+        fly(halvings_, piece());
         each([&](JointTreeState& tree) { report(close(tree) ? Issue::step_bound_hit : Issue::joint_open, tree); });
     }
     // Moves the bodies until the gaps are closed, without momentum. False where they are not in most_projections.

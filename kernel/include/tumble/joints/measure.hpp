@@ -114,9 +114,11 @@ public:
     // itself and the inertia I in the middle of the flight, the body turns by phi with phi' = I^-1 (dL + L x phi):
     //   phi = I^-1 (dL + (h / 2) L x I^-1 dL) h
     // over a step h to second order. `solution` is in the world's axes of the start, phi in those of the end.
-    [[gnu::noinline]] void take_off_effect(const JointTreeState& tree, const auto& bodies, int halvings) {
+    // of_flight(): a turn in a part of 2^-halvings of a step as that in the flight.
+    [[gnu::noinline]] void take_off_effect(const JointTreeState& tree, const auto& bodies, int halvings,
+                                           const auto& of_flight) {
         for (int i = tree.first; i < tree.last; ++i)
-            turn_[i] = turn_by(forest_.nodes()[i], solution[i].dw, bodies, end[i], halvings);
+            turn_[i] = turn_by(forest_.nodes()[i], solution[i].dw, bodies, end[i], halvings, of_flight);
         for (int i = tree.first; i < tree.last; ++i) {
             const Node& node = forest_.nodes()[i];
             if (node.joint == Node::no_joint) continue;
@@ -611,8 +613,8 @@ private:
     // With q a quarter of the turn, the middle sees L, as the end has it, as L + 2 q x L to first order. The mean of
     // the axes at both ends stands for those in the middle: it shrinks what is across the turn by 1 - 2 |q|^2, twice.
     // Both count where the turn is more than 1/16 rad.
-    [[nodiscard]] Vector turn_by(const Node& node, const Vector& dw, const auto& bodies, const Place& at,
-                                 int halvings) const {
+    [[nodiscard]] Vector turn_by(const Node& node, const Vector& dw, const auto& bodies, const Place& at, int halvings,
+                                 const auto& of_flight) const {
         const auto scale = bodies.spin_scale(node.body);
         Axes<N> middle;
         for (int i = 0; i < 3; ++i)
@@ -620,7 +622,7 @@ private:
         Vector turn = Tree::to_body(middle, dw), quarter, momentum;
         detail::for_axes<N>([&](int k) __attribute__((always_inline)) {
             turn[k] = node.per_share[k](narrow<Unit>(mul(turn[k], node.share[k])));
-            quarter[k] = J::quarter(turn_of(bodies, node.body, k), node.to_angle[k], scale, halvings);
+            quarter[k] = of_flight(J::quarter(turn_of(bodies, node.body, k), node.to_angle[k], scale, halvings));
             momentum[k] = narrow<Unit>(mul(quarter[k], node.share[k]));
             momentum[k] += momentum[k];
         });

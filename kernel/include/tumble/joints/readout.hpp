@@ -26,8 +26,8 @@ struct JointReadout {
 
 namespace detail {
 
-// Joint j of the forest, from the states of the bodies.
-template <class N, Features features, class Bodies>
+// Joint j of the forest, from the states of the bodies. `Pieces`: see JointHold.
+template <class N, Features features, class Bodies, class Pieces>
 class JointReader {
 public:
     using Work = typename N::Work;
@@ -93,9 +93,11 @@ public:
             torque += cross<Work>(Vector(bodies_.position(b) - at), push) +
                       rotate(work_quaternion<N>(bodies_.state[b].q_wb.value()), turn);
         }
-        // Twice a half kick, of a part of 2^-halvings of a step.
-        const Work per_kick = rate_ * static_cast<Work>(2 << forest_.tree_at(node_).halvings),
-                   scale = nodes[node_].side == 0 ? per_kick : -per_kick;
+        // Twice a half kick, of a part of 2^-halvings of a step, or of the last piece of a part.
+        Work per_kick = rate_ * static_cast<Work>(2 << forest_.tree_at(node_).halvings);
+        if constexpr (Pieces::count > 1)
+            per_kick = per_kick * N::template constant<Work>(Real{1} / Pieces::of(Pieces::count - 1));
+        const Work scale = nodes[node_].side == 0 ? per_kick : -per_kick;
         force = scaled_by(force, scale);
         torque = scaled_by(torque, scale);
     }

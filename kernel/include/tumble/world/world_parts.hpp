@@ -165,8 +165,8 @@ protected:
         else return N::template constant<Work>(advance_.bodies.step_length);
     }
     [[nodiscard]] auto joint_reader(int j) const {
-        return tumble::detail::JointReader<N, features, Bodies>{advance_.joints, advance_.bodies, j,
-                                                                steps_per_second()};
+        return tumble::detail::JointReader<N, features, Bodies, typename Advance::Pieces>{
+            advance_.joints, advance_.bodies, j, steps_per_second()};
     }
     // Keeps the motion of a body, for imu().
     constexpr void remember(int b) requires has_imu {
