@@ -53,6 +53,14 @@ std::string json_of(const SpringDescription& spring) {
     return "{\"body\": " + std::to_string(spring.body) + ", \"point\": " + json_array(spring.point) +
            ", \"to_body\": " + std::to_string(spring.to_body) + ", \"to\": " + json_array(spring.to) + "}";
 }
+// Points and axes in the world, at the start.
+std::string json_of(const JointDescription& joint) {
+    return "{\"kind\": " + json_text(word_of(joint.kind)) + ", \"body\": " + std::to_string(joint.body) +
+           ", \"point\": " + json_array(joint.anchor) + ", \"axis\": " + json_array(joint.axis) +
+           ", \"to_body\": " + std::to_string(joint.to_body) +
+           ", \"to\": " + json_array(joint.anchor_on(joint.to_body)) + ", \"to_axis\": " + json_array(joint.to_axis) +
+           "}";
+}
 std::string json_of(const ForceDescription& force) {
     return "{\"body\": " + std::to_string(force.body) + ", \"from\": " + json_number(force.from) +
            ", \"until\": " + json_number(force.until) +
@@ -87,7 +95,7 @@ std::string json_of_scene() {
            ", \"step\": " + json_text(step_text(scene.step)) + ", \"steps\": " + std::to_string(scene.steps()) +
            ", \"gravity\": " + json_array(scene.gravity) + ", \"bodies\": " + json_list(scene.bodies, json) +
            ", \"planes\": " + json_list(scene.planes, json) + ", \"springs\": " + json_list(scene.springs, json) +
-           ", \"forces\": " + json_list(scene.forces, json) +
+           ", \"joints\": " + json_list(scene.joints, json) + ", \"forces\": " + json_list(scene.forces, json) +
            ", \"touches\": " + (scene.contact.response == ContactResponse::none ? "false" : "true") +
            ", \"tolerance\": " + json_number(scene.contact.tolerance) +
            ", \"has_events\": " + (scene.events.empty() ? "false" : "true") +
@@ -229,6 +237,16 @@ TUMBLE_EXPORT(contacts) const double* contacts(std::size_t run) {
         add(c.point);
         numbers.push_back(c.normal_impulse);
         add(c.friction_impulse);
+    }
+    return numbers.data();
+}
+// What each joint of the scene does: 2, it holds; 1, it is a rope that is slack; 0, it is broken or removed.
+TUMBLE_EXPORT(joints) const double* joints(std::size_t run) {
+    numbers.clear();
+    for (const JointDescription& joint : session->scene().joints) {
+        const JointSnapshot now = session->run(run).joint(static_cast<int>(numbers.size()));
+        const bool is_rope = joint.kind == JointKind::distance && !joint.spring.acts();
+        numbers.push_back(now.broken ? 0 : is_rope && now.at_limit == 0 ? 1 : 2);
     }
     return numbers.data();
 }

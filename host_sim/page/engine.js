@@ -52,6 +52,12 @@ class Engine {
         });
     }
 
+    // What each joint of the scene does: 2, it holds; 1, it is a rope that is slack; 0, it is broken or removed.
+    joints(run) {
+        const address = this.#call('joints', run);
+        return new Float64Array(this.#kernel.memory.buffer, address, this.scene.joints.length).slice();
+    }
+
     isDead = false;
     #kernel;
     #decoded(address, size) { return new TextDecoder().decode(new Uint8Array(this.#kernel.memory.buffer, address, size)); }

@@ -25,8 +25,8 @@ std::optional<SceneDescription> part_before_marker(const std::string& text, cons
     if (end == std::string::npos || !toml::parse(std::string_view(text).substr(0, end))) return {};
     SceneDescription part = read_scene_text(text.substr(0, end), whole.path);
     const auto sizes = [](const SceneDescription& scene) {
-        return std::array{scene.bodies.size(), scene.planes.size(), scene.springs.size(), scene.forces.size(),
-                          scene.events.size()};
+        return std::array{scene.bodies.size(), scene.planes.size(), scene.springs.size(),
+                          scene.joints.size(), scene.forces.size(), scene.events.size()};
     };
     if (sizes(part) != sizes(whole)) return {};
     return part;
@@ -105,9 +105,7 @@ std::string Session::obstacle(const RunWay& way) const {
         return way.integrator + " does not run in " + way.numbers + ", because " + integrator.not_in_fixed_point;
     if (!has_range_for(scene_, way.numbers)) return scene_.range.beyond_default->what();
     if (!is_compiled(scene_, way.integrator, way.numbers, way.carry))
-        return scene_.joints.empty()
-                   ? "this page has no " + numbers_text(way.numbers, way.carry) + " of the range of this scene"
-                   : "this page has no worlds with joints; `tumble run` has them";
+        return "this page has no " + numbers_text(way.numbers, way.carry) + " of the range of this scene";
     return {};
 }
 

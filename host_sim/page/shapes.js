@@ -1,4 +1,4 @@
-// Bodies, planes and springs as objects of three.js. A mesh has the body's own axes; its edges show how it turns.
+// Bodies, joints and planes as objects of three.js. A mesh has the body's own axes; its edges show how it turns.
 const roundSegments = 32;
 
 // A circle about an axis, as a line loop.
@@ -80,6 +80,22 @@ function bodyObject(body, colour, opacity) {
         group.add(geometry.type === 'EdgesGeometry' ? new THREE.LineSegments(geometry, line) : new THREE.Line(geometry, line));
     group.userData = { surface, colour };
     return group;
+}
+
+// A joint about the origin, which stands out of its body: a ball, a cube where it is fixed, else a pin along z, the longer
+// and thinner one of a slider. `axis`: of the pin, in the body's axes.
+function jointGeometry(kind, body, axis) {
+    const positions = geometriesOf(body).surfaces.map(surface => surface.attributes.position.array);
+    const extent = way => Math.max(...positions.map(numbers => {
+        let most = 0;
+        for (let i = 0; i < numbers.length; i += 3) most = Math.max(most, Math.abs(dot(numbers.subarray(i, i + 3), way)));
+        return most;
+    }));
+    const thickness = Math.min(...[[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(extent)), edge = 2.125 * thickness;
+    if (kind === 'ball') return new THREE.SphereBufferGeometry(1.25 * thickness, roundSegments / 2, roundSegments / 4);
+    if (kind === 'fixed') return new THREE.BoxBufferGeometry(edge, edge, edge);
+    const [radius, length] = kind === 'slider' ? [thickness / 8, 6 * extent(axis)] : [thickness / 4, 2.5 * extent(axis)];
+    return new THREE.CylinderBufferGeometry(radius, radius, length, roundSegments / 2).rotateX(Math.PI / 2);
 }
 
 // An arrow that is seen through bodies, since contacts are inside.

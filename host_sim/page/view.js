@@ -4,6 +4,9 @@ class View {
     static played = 0xf0a040;
     static ghosts = [0x4da3ff, 0x5fd38d, 0xd16bd1, 0xf0e060];
     static asleep = 0x8a6236;
+    static spring = 0xe8e070;
+    static joint = 0xe6e9ee;
+    static slack = 0x6b7380;  // a rope
     static hitShown = 0.35;  // s of the scene for which the arrow of a hit stays
 
     constructor(canvas) {
@@ -27,7 +30,7 @@ class View {
         this.world.add(sun, new THREE.AmbientLight(0xffffff, 0.5));
         this.world.add(this.marks = new THREE.Group());
 
-        const { bodies, planes, springs } = game.scene, state = game.state(game.played);
+        const { bodies, planes, springs, joints } = game.scene, state = game.state(game.played);
         this.lanes = game.lanes.map((lane, i) => {
             const group = new THREE.Group();
             bodies.forEach(body => group.add(i === 0 ? bodyObject(body, body.fixed ? 0x8892a0 : View.played, 1)
@@ -38,11 +41,8 @@ class View {
         const { centre, radius } = this.#extent([state]);
         this.planes = planes.map(plane => planeObject(plane, centre, Math.max(20, 6 * radius)));
         this.planes.forEach(plane => this.world.add(plane));
-        this.springs = springs.map(() => {
-            const line = new THREE.Line(segment([0, 0, 0], [1, 0, 0]), new THREE.LineBasicMaterial({ color: 0xe8e070 }));
-            this.world.add(line);
-            return line;
-        });
+        this.lines = springs.map(spring => this.#line(spring, View.spring));
+        this.joints = joints.map(joint => this.#joint(joint, state));  // objects of each
         // The path of the centre of mass of all bodies that move.
         this.path = new THREE.Line(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xc8b080 }));
         this.path.frustumCulled = false;
@@ -72,7 +72,8 @@ class View {
         const { game } = this, state = game.state(game.played);
         this.#place(this.lanes[0], state);
         game.lanes.slice(1).forEach((lane, i) => this.#place(this.lanes[i + 1], game.state(lane), state));
-        this.#placeSprings(state);
+        this.#placeLines(state);
+        this.#showJoints();
         this.#drawPath();
         this.#mark(state);
         const centre = this.#centreOfMass(state);
@@ -93,7 +94,7 @@ class View {
     pick(x, y) {
         const box = this.renderer.domElement.getBoundingClientRect(), ray = new THREE.Raycaster();
         ray.setFromCamera({ x: 2 * (x - box.left) / box.width - 1, y: 1 - 2 * (y - box.top) / box.height }, this.camera);
-        const hit = ray.intersectObject(this.lanes[0], true).find(h => h.face);
+        const hit = ray.intersectObject(this.lanes[0], true).find(h => h.face && h.object.visible);
         if (!hit) return undefined;
         const body = this.lanes[0].children.indexOf(hit.object.parent), group = this.lanes[0].children[body];
         return { body, point: group.worldToLocal(hit.point.clone()).toArray(), normal: hit.face.normal.toArray() };
@@ -120,7 +121,7 @@ class View {
     }
     // Of all bodies in these states.
     #extent(states) {
-        const { bodies, springs } = this.game.scene, low = Array(3).fill(Infinity), high = Array(3).fill(-Infinity);
+        const { bodies, springs, joints } = this.game.scene, low = Array(3).fill(Infinity), high = Array(3).fill(-Infinity);
         const include = (at, r) => at.forEach((x, axis) => {
             low[axis] = Math.min(low[axis], x - r);
             high[axis] = Math.max(high[axis], x + r);
@@ -132,7 +133,7 @@ class View {
                 const { position } = new BodyState(state, i);
                 if (position.every(Number.isFinite)) include(position, body.fixed && reach(body) > large ? 0 : reach(body));
             });
-        for (const spring of springs) if (spring.to_body < 0) include(spring.to, 0);
+        for (const { to_body, to } of [...springs, ...joints]) if (to_body < 0) include(to, 0);
         return { centre: scale(add(low, high), 0.5), radius: Math.max(norm(subtract(high, low)) / 2, 0.05) };
     }
     #aim(centre, radius) {
@@ -183,15 +184,46 @@ class View {
                size * angleBetween(ghost.orientation, played.orientation) > 0.004 * size;
     }
     #worldPoint(state, index, point) {
+        if (index < 0) return point;
         const body = new BodyState(state, index);
         return add([...body.position], turned(body.orientation, point));
     }
-    #placeSprings(state) {
-        this.game.scene.springs.forEach((spring, i) => {
-            const to = spring.to_body < 0 ? spring.to : this.#worldPoint(state, spring.to_body, spring.to);
-            this.springs[i].geometry.setFromPoints([new THREE.Vector3(...this.#worldPoint(state, spring.body, spring.point)),
-                                                    new THREE.Vector3(...to)]);
-            this.springs[i].frustumCulled = false;
+    // Between points of bodies in their axes; of the world where `to_body` is below 0.
+    #line({ body, point, to_body, to }, colour) {
+        const line = new THREE.Line(segment([0, 0, 0], [1, 0, 0]), new THREE.LineBasicMaterial({ color: colour }));
+        line.frustumCulled = false;
+        this.world.add(line);
+        return { line, body, point, to_body, to };
+    }
+    #placeLines(state) {
+        for (const { line, body, point, to_body, to } of this.lines)
+            line.geometry.setFromPoints([this.#worldPoint(state, body, point), this.#worldPoint(state, to_body, to)]
+                .map(at => new THREE.Vector3(...at)));
+    }
+    // The objects of a joint: the line of a distance, or pins that move with a body. `start`: where it is as it is told.
+    #joint({ kind, body, point, axis, to_body, to, to_axis }, start) {
+        const inAxes = (side, way) => side < 0 ? way : turned(conjugate(new BodyState(start, side).orientation), way);
+        const on = (side, at) => side < 0 ? at : inAxes(side, subtract(at, new BodyState(start, side).position));
+        if (kind === 'distance') {
+            this.lines.push(this.#line({ body, point: on(body, point), to_body, to: on(to_body, to) }, View.joint));
+            return [this.lines[this.lines.length - 1].line];
+        }
+        const pin = (side, way) => {
+            const geometry = jointGeometry(kind, this.game.scene.bodies[body], inAxes(body, way));
+            geometry.lookAt(new THREE.Vector3(...inAxes(side, way))).translate(...on(side, point));
+            const mesh = new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({ color: View.joint }));
+            (side < 0 ? this.world : this.lanes[0].children[side]).add(mesh);
+            return mesh;
+        };
+        return kind === 'universal' ? [pin(body, axis), pin(to_body, to_axis)] : [pin(body, axis)];
+    }
+    #showJoints() {
+        const { engine, played } = this.game;
+        engine.joints(played.index).forEach((now, i) => {
+            for (const object of this.joints[i]) {
+                object.visible = now > 0;
+                if (object.isLine) object.material.color.set(now === 1 ? View.slack : View.joint);
+            }
         });
     }
     #drawPath() {

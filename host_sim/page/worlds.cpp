@@ -1,4 +1,5 @@
-// The worlds of the page, in place of the modules of the command: each part is linked in.
+// The worlds of the page, in place of the modules of the command. Those with joints and contacts run every scene: a
+// second set of worlds would cost more than joints do.
 #include <array>
 
 #include "simulation/modules.hpp"
@@ -18,17 +19,13 @@ template <std::size_t index>
 std::unique_ptr<Simulation> make_at(std::size_t wanted, SceneData& data, std::string_view integrator) {
     if constexpr (index == number_system_count) return nullptr;
     else if (wanted != index) return make_at<index + 1>(wanted, data, integrator);
-    else if constexpr (is_there[index]) {
-        auto made = make_in<index, Part::front>(data, integrator);
-        return made ? std::move(made) : make_in<index, Part::rest>(data, integrator);
-    } else return nullptr;
+    else if constexpr (is_there[index]) return make_in<index, Part::joints_contacts>(std::move(data), integrator);
+    else return nullptr;
 }
 
 }  // namespace
 
-bool is_module_built(std::size_t index, const SceneData& data, std::string_view) {
-    return is_there[index] && data.joints.empty();
-}
+bool is_module_built(std::size_t index, const SceneData&, std::string_view) { return is_there[index]; }
 
 std::unique_ptr<Simulation> make_in_module(std::size_t index, SceneData data, std::string_view integrator) {
     return make_at<0>(index, data, integrator);

@@ -75,6 +75,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Session_,
                          testing::Values(Played{"cube", {"verlet", "q32", true}}, Played{"cube", {"rk4", "f64", false}},
                                          Played{"contacts/stack", {"verlet", "q32", true}},
                                          Played{"orbit", {"verlet", "f64", false}},
+                                         Played{"joints/double_pendulum", {"verlet", "q32", true}},
+                                         Played{"joints/rope", {"verlet", "q32", true}},
                                          Played{"contacts/kinematic", {"verlet", "f64", false}}),
                          [](const auto& info) {
                              const std::string& scene = info.param.scene;
@@ -194,16 +196,20 @@ TEST(Session, a_hit_of_a_point_mass_anywhere_is_saved_so_that_it_replays) {
 
 // What a person adds to a saved session is of the scene.
 TEST(Session, that_was_added_to_by_hand_loses_nothing) {
-    Session session = session_of("cube");
-    session.add(session.saved_way());
-    session.go_to(0, 100, all);
-    const std::string added = "\n[[force]]\nbody = \"cube\"\nuntil = 0.3\nforce = [1.0, 0.0, 0.0]\n";
-    Session again(session.text() + added, "added.toml");
-    EXPECT_EQ(again.scene().forces.size(), 1u);
-    again.add(again.saved_way());
-    again.go_to(0, 100, all);
-    EXPECT_TRUE(has(again.text(), added));
-    EXPECT_EQ(replayed(again.text()), again.run(0).hash());
+    const std::string force = "\n[[force]]\nbody = \"cube\"\nuntil = 0.3\nforce = [1.0, 0.0, 0.0]\n",
+                      joint = "\n[[joint]]\nkind = \"hinge\"\nbody = \"brick\"\nanchor = [0.0, 10.0, 0.2]\n"
+                              "axis = [0.3, 0.0, 1.0]\n";
+    for (const auto& [scene, added] : {std::pair{"cube", force}, std::pair{"free", joint}}) {
+        Session session = session_of(scene);
+        session.add(session.saved_way());
+        session.go_to(0, 100, all);
+        Session again(session.text() + added, "added.toml");
+        EXPECT_EQ(again.scene().forces.size() + again.scene().joints.size(), 1u);
+        again.add(again.saved_way());
+        again.go_to(0, 100, all);
+        EXPECT_TRUE(has(again.text(), added)) << added;
+        EXPECT_EQ(replayed(again.text()), again.run(0).hash());
+    }
 }
 
 // Whatever a person writes, the saved text is a scene that replays.
