@@ -18,7 +18,9 @@ constexpr int steps = 1'000'000;  // 65 minutes
 struct Pendulum : tumble::Scene {
     using Numbers = tumble::Q32<tumble::NearRange>;
     static constexpr tumble::Seconds step{1, 256};
-    static constexpr tumble::Features features{.bodies = 2, .joints = 2};
+    // All of its joints are hinges.
+    static constexpr tumble::Features features{
+        .bodies = 2, .joints = 2, .balls = false, .fixed_joints = false, .sliders = false, .universals = false};
 };
 tumble::World<Pendulum> world{{.gravity = {0, -9.81, 0}}};
 tumble::BodyId upper, lower;

@@ -13,7 +13,9 @@ constexpr int steps = 1024;  // 4 s
 
 struct Gimbal : tumble::Scene {
     static constexpr tumble::Seconds step{1, 256};
-    static constexpr tumble::Features features{.bodies = 3, .joints = 3};
+    // All of its joints are hinges.
+    static constexpr tumble::Features features{
+        .bodies = 3, .joints = 3, .balls = false, .fixed_joints = false, .sliders = false, .universals = false};
 };
 tumble::World<Gimbal> world{{.gravity = {0, -gravity, 0}}};
 tumble::JointId outer_bearing, inner_bearing, rotor_bearing;
