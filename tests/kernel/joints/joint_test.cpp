@@ -5,6 +5,7 @@
 #include "joint_cases.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -792,6 +793,76 @@ TYPED_TEST(Joints, each_fault_of_a_joint_is_named) {
     EXPECT_DEATH((void)m.world.add(HingeSpec{.body = 0, .anchor = {std::nan(""), 0, 0}}), "");
     EXPECT_DEATH((void)m.world.template joint<double>(JointId{5}), "");
 #endif
+}
+
+// The arm with its bodies and joints where they are in m: a world that is set up anew. `joined`: has the joint to link
+// i.
+template <class Mechanism>
+[[nodiscard]] Mechanism set_up_anew(const Mechanism& m, Seconds step, const auto& links, const auto& joined) {
+    Mechanism anew{step};
+    for (int i = 0; i < 6; ++i) {
+        const BodyId id = m.bodies[static_cast<std::size_t>(i)];
+        const auto vector = [](const Vector& v) { return RealVec3{v.x, v.y, v.z}; };
+        const auto turned = m.world.orientation(id).template as<double>();
+        BodySpec body = links[static_cast<std::size_t>(i)].body;
+        body.position = vector(m.position(i));
+        body.orientation = RealQuat{turned.w, vector(turned.v)};
+        body.velocity = vector(m.velocity(i));
+        body.angular_velocity = vector(m.world.angular_velocity(id).template as<double>());
+        (void)anew.add(body);
+    }
+    for (int i = 0; i < 6; ++i) {
+        if (!joined(i)) continue;
+        const auto& link = links[static_cast<std::size_t>(i)];
+        const Rotation q = m.world.orientation(m.bodies[static_cast<std::size_t>(i)]).template as<double>();
+        const Vector at = m.position(i) + rotate(q, plain(link.anchor) - plain(link.body.position)),
+                     axis = rotate(q, plain(link.axis));
+        (void)anew.join(
+            HingeSpec{.body = i, .to_body = i - 1, .anchor = {at.x, at.y, at.z}, .axis = {axis.x, axis.y, axis.z}});
+    }
+    return anew;
+}
+
+// After add(), remove() and set_pose() in the midst of a motion. A joint that is added leaves the loads of the others.
+TYPED_TEST(Joints, a_changed_mechanism_moves_as_one_that_is_set_up_anew) {
+    const auto links = this->links_of_arm();
+    const double bar = this->is_single ? 2e-3 : this->in_fixed_point ? 2e-5 : 1e-10;
+    for (const int rate : {100, 256})
+        for (const int other : {2, 4, 5})
+            for (const auto& [removes, adds, poses] :
+                 {std::array{true, false, false}, std::array{true, true, false}, std::array{false, false, true}}) {
+                auto m = this->arm({1, rate});
+                m.run(rate / 5);
+                bool is_there = true;
+                if (removes) m.world.remove(m.joints[static_cast<std::size_t>(other)]);
+                is_there = !removes;
+                if (adds) {
+                    // It has opened in a step without it, and the new one holds both where they are.
+                    m.run(1);
+                    const Vector before = m.joint(0).force;
+                    const Vector at = m.position(other);
+                    (void)m.world.add(BallSpec{.body = m.bodies[static_cast<std::size_t>(other)],
+                                               .to_body = m.bodies[static_cast<std::size_t>(other - 1)],
+                                               .anchor = {at.x, at.y, at.z}});
+                    EXPECT_LT(length(m.joint(0).force - before), 1e-5 * length(before));
+                    EXPECT_GT(length(before), 1);
+                }
+                if (poses)
+                    for (const auto& link : links)
+                        m.world.set_pose(m.bodies[static_cast<std::size_t>(&link - links.data())], link.body.position,
+                                         link.body.orientation);
+                auto anew = set_up_anew(m, {1, rate}, links, [&](int i) { return is_there || i != other; });
+                if (adds) {
+                    const Vector at = m.position(other);
+                    (void)anew.world.add(BallSpec{.body = other, .to_body = other - 1, .anchor = {at.x, at.y, at.z}});
+                }
+                m.run(rate / 4);
+                anew.run(rate / 4);
+                EXPECT_TRUE(m.world.status().ok());
+                EXPECT_LT(anew.gap(), 2 * this->closed);
+                for (int i = 0; i < 6; ++i)
+                    EXPECT_LT(length(m.position(i) - anew.position(i)), bar) << rate << " " << other << " " << adds;
+            }
 }
 
 // Arms are within what fixed point holds of them.

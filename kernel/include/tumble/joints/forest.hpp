@@ -129,7 +129,8 @@ public:
             strength_[place] = {N::template constant<typename N::Work>(detail::break_force_of(spec)),
                                 N::template constant<typename N::Work>(detail::break_torque_of(spec)), false};
         JointTreeState& tree = tie(joint, bodies);
-        if constexpr (requires { spec.most; }) tree.is_moved = true;  // its length is that of the spec
+        // Half kicks are along rows that there still are, unless the bodies move: a distance has the length of the spec.
+        if constexpr (requires { spec.most; }) forget_pose(tree);
         return place;
     }
     [[nodiscard]] std::uint16_t generation(int place) const { return record_[place].generation; }
@@ -449,14 +450,17 @@ private:
     [[nodiscard]] bool is_grounded(const auto& bodies, int b, const JointTreeState* tree) const {
         return is_base(bodies, b) || (tree != nullptr && node_[tree->first].joint != Node::no_joint);
     }
-    // A half kick holds the joints that there were.
+    // Of a joint that goes: a half kick is along the rows that there were.
     TUMBLE_COLD void forget(int b) {
         if (b < 0) return;
         if (JointTreeState* const tree = tree_of(b)) {
             forget_kicks(*tree);
-            tree->is_disturbed = true;
-            tree->is_factored = false;
+            note_change(*tree);
         }
+    }
+    static void note_change(JointTreeState& tree) {
+        tree.is_disturbed = tree.is_new = true;
+        tree.is_factored = false;
     }
     void forget_kicks(const JointTreeState& tree) {
         for (int i = tree.first; i < tree.last; ++i) kick_[i] = {};
@@ -495,8 +499,9 @@ private:
     TUMBLE_COLD JointTreeState& tie(const Record& joint, const auto& bodies) {
         order(bodies);
         const int moving = is_base(bodies, joint.side[0].body) ? joint.side[1].body : joint.side[0].body;
-        forget(moving);
-        return *tree_of(moving);
+        JointTreeState& tree = *tree_of(moving);
+        note_change(tree);
+        return tree;
     }
     // The anchor and the axes as the body sees them now.
     TUMBLE_COLD void set_side(typename Record::Side& side, const auto& bodies, int b, const RealVec3& anchor,
@@ -566,19 +571,30 @@ private:
                 if (!is_jointed_[b] && !is_base(bodies, b))
                     if (const int j = root_joint(bodies, b, grounded); j != none) grow(bodies, b, j);
         for (int t = 0; t < tree_count_; ++t) {
-            set_constants(bodies, tree_[t]);
-            for (int k = 0; k < kept_trees; ++k)
-                for (int i = kept_tree[k].first; i < kept_tree[k].last; ++i) {
-                    if (!is_in(tree_[t], kept_body[i])) continue;
-                    tree_[t].is_disturbed = tree_[t].is_disturbed || kept_tree[k].is_disturbed;
-                    tree_[t].is_moved = tree_[t].is_moved || kept_tree[k].is_moved;
-                    if (kept_tree[k].halvings > tree_[t].halvings) tree_[t].halvings = kept_tree[k].halvings;
+            JointTreeState& tree = tree_[t];
+            set_constants(bodies, tree);
+            tree.is_new = false;
+            const auto each_kept = [&](auto&& f) {
+                for (int k = 0; k < kept_trees; ++k)
+                    for (int i = kept_tree[k].first; i < kept_tree[k].last; ++i)
+                        for (int at = tree.first; at < tree.last; ++at)
+                            if (node_[at].body == kept_body[i]) f(kept_tree[k], kept_kick[i], at);
+            };
+            for (int i = tree.first; i < tree.last; ++i) kick_[i] = {};
+            each_kept([&](const JointTreeState& kept, const Kicks&, int) {
+                tree.is_disturbed = tree.is_disturbed || kept.is_disturbed;
+                tree.is_moved = tree.is_moved || kept.is_moved;
+                tree.is_new = tree.is_new || kept.is_new;
+                if (kept.corrections > tree.corrections) tree.corrections = kept.corrections;
+                if (kept.halvings > tree.halvings) tree.halvings = kept.halvings;
+            });
+            // Of shorter parts.
+            each_kept([&](const JointTreeState& kept, const Kicks& kick, int at) {
+                for (int k = 0; k < 3; ++k) {
+                    kick_[at].linear[k] = J::halved(kick.linear[k], tree.halvings - kept.halvings);
+                    kick_[at].angular[k] = J::halved(kick.angular[k], tree.halvings - kept.halvings);
                 }
-        }
-        for (int i = 0; i < node_count_; ++i) {
-            kick_[i] = {};
-            for (int k = 0; k < kept_count; ++k)
-                if (kept_body[k] == node_[i].body) kick_[i] = kept_kick[k];
+            });
         }
     }
     static constexpr int none = -2;
