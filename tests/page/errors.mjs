@@ -7,7 +7,7 @@ import { pathToFileURL } from 'node:url';
 import { Browser, wait } from './browser.mjs';
 import { directory, page, tumble, url } from './command.mjs';
 
-assert.ok(statSync(page).size < 5e6, `the page has ${statSync(page).size} bytes`);
+assert.ok(statSync(page).size < 6.5e6, `the page has ${statSync(page).size} bytes`);
 assert.ok(!/<(script|link|img|iframe)[^>]*(src|href)=/.test(readFileSync(page, 'latin1')), 'the page loads something');
 
 const browser = await Browser.open(url);
