@@ -129,7 +129,7 @@ public:
             strength_[place] = {N::template constant<typename N::Work>(detail::break_force_of(spec)),
                                 N::template constant<typename N::Work>(detail::break_torque_of(spec)), false};
         JointTreeState& tree = tie(joint, bodies);
-        // Half kicks are along rows that there still are, unless the bodies move: a distance has the length of the spec.
+        // Half kicks are along rows that there still are, unless the bodies move: a distance has the spec's length.
         if constexpr (requires { spec.most; }) forget_pose(tree);
         return place;
     }
