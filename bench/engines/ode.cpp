@@ -3,8 +3,7 @@
 // point and no gravitation. By default a body has its gyroscopic torque (implicit), and its orientation is updated by
 // the derivative of the quaternion ("infinitesimal"), not by a rotation about the current axis ("finite").
 #include "contender.hpp"
-
-#include <ode/ode.h>
+#include "core/ode_contacts.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -149,19 +148,9 @@ private:
     }
     static void meet(void* of, dGeomID a, dGeomID b) {
         World& world = *static_cast<World*>(of);
-        const dBodyID body_a = dGeomGetBody(a), body_b = dGeomGetBody(b);
         const auto is_still = [](dBodyID body) { return body == nullptr || dBodyIsEnabled(body) == 0; };
-        if (is_still(body_a) && is_still(body_b)) return;
-        constexpr int most = 8;
-        dContact contacts[most]{};
-        const int count = dCollide(a, b, most, &contacts[0].geom, sizeof(dContact));
-        for (int i = 0; i < count; ++i) {
-            dSurfaceParameters& surface = contacts[i].surface;
-            surface.mode = dContactBounce | dContactApprox1;
-            surface.mu = world.friction_;
-            surface.bounce = world.restitution_;
-            dJointAttach(dJointCreateContact(world.world_, world.contacts_, &contacts[i]), body_a, body_b);
-        }
+        if (is_still(dGeomGetBody(a)) && is_still(dGeomGetBody(b))) return;
+        add_contacts(world.world_, world.contacts_, a, b, world.friction_, world.restitution_);
     }
 
     dWorldID world_ = dWorldCreate();

@@ -1,9 +1,8 @@
 // The Open Dynamics Engine in float. TUMBLE_COUNT: iterations of its quick step; 0: its direct step.
 #pragma once
 
+#include "ode_contacts.hpp"
 #include "scene.hpp"
-
-#include <ode/ode.h>
 
 namespace tumble::bench {
 
@@ -65,18 +64,8 @@ public:
 private:
     static void meet(void* of, dGeomID a, dGeomID b) {
         Engine& engine = *static_cast<Engine*>(of);
-        const dBodyID body_a = dGeomGetBody(a), body_b = dGeomGetBody(b);
-        if (body_a == nullptr && body_b == nullptr) return;
-        constexpr int most = 8;
-        dContact contacts[most]{};
-        const int count = dCollide(a, b, most, &contacts[0].geom, sizeof(dContact));
-        for (int i = 0; i < count; ++i) {
-            dSurfaceParameters& surface = contacts[i].surface;
-            surface.mode = dContactBounce | dContactApprox1;
-            surface.mu = friction;
-            surface.bounce = restitution;
-            dJointAttach(dJointCreateContact(engine.world_, engine.contacts_, &contacts[i]), body_a, body_b);
-        }
+        if (dGeomGetBody(a) == nullptr && dGeomGetBody(b) == nullptr) return;
+        add_contacts(engine.world_, engine.contacts_, a, b, friction, restitution);
     }
 
     dWorldID world_;
