@@ -27,6 +27,17 @@ using Tested = typename TestedKinds<Quick, Deep>::Types;
     return body;
 }
 
+// What tests of boxes that touch and rub have, with room for so many bodies and planes.
+[[nodiscard]] constexpr Features touching(int bodies, int planes) {
+    return {.bodies = bodies,
+            .planes = planes,
+            .removal = true,
+            .snapshots = true,
+            .pairs = true,
+            .boxes = true,
+            .friction = true};
+}
+
 // Every feature, in little room. Tests share it, so that a kind has one such world.
 inline constexpr Features little_of_everything =
     Features{.bodies = 5, .planes = 2, .springs = 2, .near_pairs = 12}.with_everything();

@@ -70,21 +70,12 @@ protected:
         default: break;
         }
     }
-    // The hashes after each step of a run under live commands.
-    template <class World>
-    static std::vector<std::uint64_t> run_live(World& world, int steps) {
+    // The hashes after each step of a run, also under live commands.
+    static std::vector<std::uint64_t> run_live(auto& world, int steps) { return run(world, steps, true); }
+    static std::vector<std::uint64_t> run(auto& world, int steps, bool live = false) {
         std::vector<std::uint64_t> hashes;
         for (int i = 0; i < steps; ++i) {
-            command(world, static_cast<int>(world.steps_taken()));
-            world.step();
-            hashes.push_back(world.hash());
-        }
-        return hashes;
-    }
-    template <class World>
-    static std::vector<std::uint64_t> run(World& world, int steps) {
-        std::vector<std::uint64_t> hashes;
-        for (int i = 0; i < steps; ++i) {
+            if (live) command(world, static_cast<int>(world.steps_taken()));
             world.step();
             hashes.push_back(world.hash());
         }

@@ -5,28 +5,19 @@
 #include "kinds.hpp"
 
 #include <array>
-#include <cmath>
 #include <vector>
 
 namespace tumble::test::joint_layers {
 namespace {
 
-inline constexpr Features layered = {.bodies = 8,
-                                     .planes = 1,
-                                     .springs = 2,
-                                     .joints = 4,
-                                     .control = true,
-                                     .removal = true,
-                                     .snapshots = true,
-                                     .pairs = true,
-                                     .boxes = true,
-                                     .layers = true,
-                                     .friction = true,
-                                     .sleep = true,
-                                     .turntables = true,
-                                     .kinematic = true,
-                                     .bounded_steps = true,
-                                     .contact_springs = true};
+inline constexpr Features layered = [] {
+    Features all = touching(8, 1);
+    all.springs = 2;
+    all.joints = 4;
+    all.control = all.layers = all.sleep = all.turntables = all.kinematic = true;
+    all.bounded_steps = all.contact_springs = true;
+    return all;
+}();
 template <class W, Features features = layered>
 using WorldOf = World<SceneOf<typename W::Numbers, typename W::Integrator, features>>;
 

@@ -17,19 +17,14 @@ namespace {
 template <class N, bool bounded = true, bool exact = true>
 struct Piles : Scene {
     using Numbers = N;
-    static constexpr Features features{.bodies = 16,
-                                       .planes = 5,
-                                       .near_pairs = 140,
-                                       .removal = true,
-                                       .snapshots = true,
-                                       .pairs = true,
-                                       .boxes = true,
-                                       .friction = true,
-                                       .sleep = true,
-                                       .kinematic = true,
-                                       .contact_readout = true,
-                                       .bounded_steps = bounded,
-                                       .exact_steps = exact};
+    static constexpr Features features = [] {
+        Features all = touching(16, 5);
+        all.near_pairs = 140;
+        all.sleep = all.kinematic = all.contact_readout = true;
+        all.bounded_steps = bounded;
+        all.exact_steps = exact;
+        return all;
+    }();
 };
 
 template <class N>

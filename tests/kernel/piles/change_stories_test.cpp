@@ -40,19 +40,13 @@ template <class N, int room>
 struct Yard : Scene {
     using Numbers = N;
     using Loads = LoadList<Magnet>;
-    static constexpr Features features{.bodies = room,
-                                       .planes = 5,
-                                       .springs = 2,
-                                       .near_pairs = 126,  // every pair of 12 bodies and 5 planes
-                                       .control = true,
-                                       .removal = true,
-                                       .snapshots = true,
-                                       .pairs = true,
-                                       .boxes = true,
-                                       .friction = true,
-                                       .sleep = true,
-                                       .turntables = true,
-                                       .kinematic = true};
+    static constexpr Features features = [] {
+        Features all = touching(room, 5);
+        all.springs = 2;
+        all.near_pairs = 126;  // every pair of 12 bodies and 5 planes
+        all.control = all.sleep = all.turntables = all.kinematic = true;
+        return all;
+    }();
 };
 
 // 1 to 12 bodies between planes in two worlds, one with times and one with a grid, and what happens to them.

@@ -10,16 +10,11 @@ namespace {
 template <class N, int room>
 struct Ground : Scene {
     using Numbers = N;
-    static constexpr Features features{.bodies = room,
-                                       .planes = 2,
-                                       .control = true,
-                                       .removal = true,
-                                       .snapshots = true,
-                                       .pairs = true,
-                                       .boxes = true,
-                                       .friction = true,
-                                       .turntables = true,
-                                       .kinematic = true};
+    static constexpr Features features = [] {
+        Features all = touching(room, 2);
+        all.control = all.turntables = all.kinematic = true;
+        return all;
+    }();
 };
 const Real gravity{-9.8125};  // m/s^2
 

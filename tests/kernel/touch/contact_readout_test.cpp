@@ -236,14 +236,11 @@ std::vector<double> readings(const World& world, std::initializer_list<BodyId> b
 template <class K>
 class ContactReadoutsOfKind : public testing::Test {
 protected:
-    static constexpr Features features{.bodies = 4,
-                                       .planes = 1,
-                                       .removal = true,
-                                       .snapshots = true,
-                                       .pairs = true,
-                                       .boxes = true,
-                                       .friction = true,
-                                       .contact_readout = true};
+    static constexpr Features features = [] {
+        Features all = touching(4, 1);
+        all.contact_readout = true;
+        return all;
+    }();
     using Scene = World<SceneOf<typename K::Numbers, typename K::Integrator, features>>;
 
     // Three boxes on each other.
