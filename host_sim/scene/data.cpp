@@ -3,7 +3,6 @@
 #include <tumble/shapes/pairs.hpp>
 
 #include <algorithm>
-#include <string_view>
 
 #include "scene/fields.hpp"
 #include "tools/raise.hpp"
@@ -47,17 +46,6 @@ void check(const SceneDescription& scene) {
     fits("plane", scene.planes.size(), max_planes);
     fits("spring", scene.springs.size(), max_springs);
     fits("joint", scene.joints.size(), max_joints);
-}
-
-AnyJointSpec spec_of_kind(JointKind kind) {
-    switch (kind) {
-    case JointKind::ball: return BallSpec{};
-    case JointKind::fixed: return FixedSpec{};
-    case JointKind::slider: return SliderSpec{};
-    case JointKind::universal: return UniversalSpec{};
-    case JointKind::distance: return DistanceSpec{};
-    default: return HingeSpec{};
-    }
 }
 
 // True if two bodies, of which at least one moves, may touch.
@@ -128,12 +116,10 @@ ContactSpec in_kernel(const ContactDescription& description) {
 }
 
 AnyJointSpec joint_of(const JointDescription& joint) {
-    struct Named : JointDescription {  // as the kernel names them
-        Triple point = anchor;
-        JointLimits limits{least, most};
-    };
-    AnyJointSpec made = spec_of_kind(joint.kind);
-    made.visit([&](auto& spec) { set_fields(spec, Named{joint}); });
+    static const AnyJointSpec of_kind[] = {HingeSpec{},  BallSpec{},      FixedSpec{},
+                                           SliderSpec{}, UniversalSpec{}, DistanceSpec{}};
+    AnyJointSpec made = of_kind[static_cast<std::size_t>(joint.kind)];
+    made.visit([&](auto& spec) { set_fields(spec, NamedJoint{joint}); });
     return made;
 }
 

@@ -41,6 +41,12 @@ struct AnyJointSpec : std::variant<HingeSpec, BallSpec, FixedSpec, SliderSpec, U
     void visit(const auto& f) { std::visit(f, static_cast<variant&>(*this)); }
 };
 
+// A joint with the fields that the kernel names. The description has both ends of a distance and limits under one name.
+struct NamedJoint : JointDescription {
+    Triple point = anchor;
+    JointLimits limits{least, most};
+};
+
 struct SceneData {
     std::string name;
     Seconds step{1, 256};
@@ -72,6 +78,14 @@ struct SceneData {
 
 // A joint in the kernel's numbers.
 [[nodiscard]] AnyJointSpec joint_of(const JointDescription& joint);
+
+// Calls f(field, value) with the fields that joints of its kind have, and their values in the description.
+void for_each_field(const JointDescription& joint, auto&& f) {
+    const NamedJoint named{joint};
+    joint_of(joint).visit([&](const auto& spec) {
+        spec.each([&](Field field, const auto&, const auto& value) { f(field, value); }, spec, named);
+    });
+}
 
 // An event in the kernel's numbers.
 [[nodiscard]] EventSpec event_of(const EventDescription& event);

@@ -4,10 +4,6 @@
 namespace tumble::host {
 namespace {
 
-// The unit of a value depends on its kind.
-constexpr Quantity any_triple{Quantity::any, "", "x, y, z"};
-constexpr Quantity any_quaternion{Quantity::any, "", "w, x, y, z"};
-
 bool turns(EventKind kind) {
     return kind == EventKind::angular_impulse || kind == EventKind::torque || kind == EventKind::step_torque ||
            kind == EventKind::angular_velocity;
@@ -30,17 +26,25 @@ void check_ranges(Table& table, const EventDescription& event, RangeDescription&
     }
 }
 
-const Words<EventKind>& event_kinds() {
-    static const Words<EventKind> kinds = [] {
-        Words<EventKind> all;
-        for (int i = 0; i <= static_cast<int>(EventKind::remove_joint); ++i) {
-            const auto kind = static_cast<EventKind>(i);
-            // A scene keeps its bodies, and its timed forces have tables of their own.
-            if (kind != EventKind::remove && !is_timed(kind)) all.emplace_back(name_of(kind), kind);
-        }
-        return all;
-    }();
-    return kinds;
+// Body and joint by their names. A live event has no time.
+void read_fields(Table& table, EventDescription& event, std::string& body, std::string& joint, bool live) {
+    Field frame{};
+    EventSpec::each(
+        [&]<class T>(Field field, T& value) {
+            const std::string_view name = field.name;
+            const bool is_time = name == "time", is_value = name == "value";
+            if constexpr (std::is_same_v<T, int>) {
+                table.read(field.name, body, text_in_quotes, has_body(event.kind));
+                table.read("joint", joint, text_in_quotes, has_joint(event.kind));
+            } else if constexpr (std::is_same_v<T, Frame>) {
+                frame = field;  // of the value, after which it is read
+            } else if (!is_time || !live) {
+                const bool is_required = is_time || name == "kind" || (is_value && !has_joint(event.kind));
+                table.read(field.name, value, values_of<T>(field), is_required);
+            }
+            if (is_value) table.optional(frame.name, event.frame, words<Frame>);
+        },
+        event);
 }
 
 // The joint that a key names.
@@ -68,20 +72,11 @@ void check_joint_event(Table& table, EventDescription& event, const std::string&
 EventDescription read_event(Table table, const SceneDescription& scene, RangeDescription& range, bool live) {
     EventDescription event;
     std::string body, joint;
-    if (!live) table.required("time", event.time, seconds);
-    table.required("kind", event.kind, event_kinds());
-    const bool acts_on_a_body = has_body(event.kind), acts_on_a_joint = has_joint(event.kind);
-    if (acts_on_a_body) table.required("body", body);
-    else table.optional("body", body);
-    if (acts_on_a_joint) table.required("joint", joint);
-    else table.optional("joint", joint);
-    if (acts_on_a_joint) table.optional("value", event.value, any_triple);
-    else table.required("value", event.value, any_triple);
-    table.optional("frame", event.frame, words<Frame>);
-    table.optional("point", event.point, metres);
-    const bool has_orientation = table.optional("orientation", event.orientation, any_quaternion);
+    read_fields(table, event, body, joint, live);
     table.finish();
 
+    const bool acts_on_a_body = has_body(event.kind), acts_on_a_joint = has_joint(event.kind),
+               has_orientation = table.has("orientation");
     if (acts_on_a_body) event.body = resolve(table, "body", body, scene);
     if (!live) check_time(table, "time", event.time, scene);
     const std::string kind = name_of(event.kind);

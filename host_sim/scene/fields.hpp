@@ -61,6 +61,9 @@ std::string in_toml(const std::array<double, n>& values, std::size_t count = n) 
 }
 template <class T>
 requires std::is_enum_v<T> std::string in_toml(T value) { return json_text(word_of(value)); }
+inline std::string in_toml(const JointLimits& limits) {
+    return limits.acts() ? in_toml(std::array{limits.least.to_double(), limits.most.to_double()}) : "";
+}
 inline std::string in_toml(const SleepDescription& sleep) {
     return "{ speed = " + in_toml(sleep.speed) + ", angular_speed = " + in_toml(sleep.angular_speed) +
            ", time = " + in_toml(sleep.time) + " }";

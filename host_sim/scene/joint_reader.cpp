@@ -22,23 +22,27 @@ struct KindRow {
     const char* no_limits;
     const char* no_spring;
 };
-const KindRow& row_of(JointKind kind) {
-    static constexpr const char* const no_one_angle = "only a hinge and a slider have limits";
-    static constexpr KindRow hinge{"a hinge turns about it", "", "", ""},
-        ball{"", "a ball turns about any axis", no_one_angle, ""},
-        fixed{"", "a fixed joint has no free direction", "a fixed joint has no free direction",
-              "a fixed joint has no free direction"},
-        slider{"a slider moves along it", "", "", ""},
-        universal{"a universal joint turns about it, and about to_axis", "", no_one_angle, ""},
-        distance{"", "a distance acts along the line between its points", "its range is least and most", ""};
-    switch (kind) {
-    case JointKind::ball: return ball;
-    case JointKind::fixed: return fixed;
-    case JointKind::slider: return slider;
-    case JointKind::universal: return universal;
-    case JointKind::distance: return distance;
-    default: return hinge;
-    }
+constexpr const char* no_one_angle = "only a hinge and a slider have limits";
+constexpr const char* none_is_free = "a fixed joint has no free direction";
+// In the order of JointKind.
+constexpr KindRow kind_rows[] = {
+    {"a hinge turns about it", "", "", ""},
+    {"", "a ball turns about any axis", no_one_angle, ""},
+    {"", none_is_free, none_is_free, none_is_free},
+    {"a slider moves along it", "", "", ""},
+    {"a universal joint turns about it, and about to_axis", "", no_one_angle, ""},
+    {"", "a distance acts along the line between its points", "its range is least and most", ""},
+};
+const KindRow& row_of(JointKind kind) { return kind_rows[static_cast<std::size_t>(kind)]; }
+
+// The keys of the fields that a kind has.
+std::set<std::string> keys_of(JointKind kind) {
+    JointDescription joint;
+    joint.kind = kind;
+    std::set<std::string> keys;
+    for_each_field(joint, [&](Field field, const auto&) { keys.insert(field.name); });
+    if (kind == JointKind::distance) keys.insert("length");  // least and most of a rod
+    return keys;
 }
 
 // Words of other programs, and what they are called here.
@@ -62,13 +66,12 @@ JointKind read_kind(const Value& value) {
 }
 
 // Axes that the kind has are required and not zero.
-void read_axis(Table& table, const char* key, Triple& axis, bool has_axis, const std::string& why) {
-    constexpr Quantity direction{Quantity::any, "", "x, y, z"};
+void read_axis(Table& table, const Field& field, Triple& axis, bool has_axis, const std::string& why) {
     const std::string wanted = "a direction [x, y, z] that is not zero: " + why;
-    const auto value = table.find(key);
-    if (!value && has_axis) table.missing(key, wanted);
+    const auto value = table.find(field.name);
+    if (!value && has_axis) table.missing(field.name, wanted);
     if (!value) return;
-    convert(*value, axis, direction);
+    convert(*value, axis, values_of<Triple>(field));
     check_not_zero(*value, axis.data(), axis.size(), wanted);
 }
 
@@ -86,21 +89,12 @@ void refuse_what_is_not_there(Table& table) {
             table.at(key).fail(reason, "none: what acts in a joint is limits, spring, break_force and break_torque");
 }
 
-void read_point(Table& table, const char* key, Triple& point, bool is_required) {
-    if (is_required) table.required(key, point, metres);
-    else table.optional(key, point, metres);
-}
-
-// The range of a distance.
-void read_distance(Table& table, JointDescription& joint) {
-    const bool is_rod = table.optional("length", joint.most, Quantity{Quantity::positive, "m"});
-    if (is_rod) joint.least = joint.most;
-    table.optional("least", joint.least, Quantity{Quantity::not_negative, "m"});
-    const bool has_most = table.optional("most", joint.most, Quantity{Quantity::positive, "m"});
-    if (joint.kind == JointKind::distance && !is_rod && !has_most)
-        table.missing(table.has("least") ? "most" : "length",
-                      table.has("least") ? "a positive finite number (m): the distance is from least to most"
-                                         : "length of a rod (m), or most of a rope (m) with or without least (m)");
+// A distance needs a range.
+void require_range(Table& table) {
+    if (table.has("length") || table.has("most")) return;
+    table.missing(table.has("least") ? "most" : "length",
+                  table.has("least") ? "a positive finite number (m): the distance is from least to most"
+                                     : "length of a rod (m), or most of a rope (m) with or without least (m)");
 }
 
 void check_distance(Table& table, const JointDescription& joint) {
@@ -136,12 +130,19 @@ void read_spring(Table& table, const char* key, JointKind kind, JointSpringDescr
                                               : " and rad");
     if (!value->node().is_table()) value->refuse(example);
     Table keys(value->place(), *value->node().as_table());
-    keys.optional("stiffness", spring.stiffness, Quantity{Quantity::not_negative, is_linear ? "N/m" : "N m/rad"});
-    keys.optional("damping", spring.damping, Quantity{Quantity::not_negative, is_linear ? "N s/m" : "N m s/rad"});
-    const bool has_rest =
-        !rest.empty() && keys.optional(rest, spring.rest,
-                                       kind == JointKind::distance ? Quantity{Quantity::not_negative, "m"}
-                                                                   : Quantity{Quantity::any, is_linear ? "m" : "rad"});
+    JointSpring::each(
+        [&](Field field, double& number) {
+            const bool is_rest = &number == &spring.rest;
+            const std::string units = field.unit, between = " or ";  // of angles, then of lengths
+            const std::size_t at = units.find(between);
+            const bool is_second = is_linear && at != std::string::npos;
+            const std::string unit = is_second ? units.substr(at + between.size()) : units.substr(0, at);
+            if (is_rest && kind == JointKind::distance) field.kind = Field::not_negative;
+            field.unit = unit.c_str();
+            if (!is_rest || !rest.empty()) keys.optional(is_rest ? rest : field.name, number, values_of<double>(field));
+        },
+        spring);
+    const bool has_rest = !rest.empty() && keys.has(rest);
     if (kind == JointKind::ball && keys.has("angle"))
         keys.at("angle").fail("given for a ball joint", "no angle: the spring of a ball rests where the joint starts");
     keys.finish();
@@ -308,21 +309,50 @@ std::string passed_by(const SceneDescription& scene, std::size_t b) {
 }
 
 // Keys that the kind has not are refused with the reason.
-void refuse_what_the_kind_has_not(Table& table, JointKind kind) {
+void refuse_what_the_kind_has_not(Table& table, JointKind kind, const std::set<std::string>& has) {
     const KindRow& row = row_of(kind);
-    const bool is_distance = kind == JointKind::distance;
-    const auto refuse = [&](const char* key, bool is_there, const std::string& wanted) {
-        if (table.has(key) && !is_there) table.at(key).fail("given for a " + word_of(kind) + " joint", wanted);
+    const auto refuse = [&](const char* key, const std::string& wanted) {
+        if (table.has(key) && !has.contains(key)) table.at(key).fail("given for a " + word_of(kind) + " joint", wanted);
     };
-    refuse("anchor", !is_distance, "point and to_point, its two ends");
-    refuse("axis", *row.axis != 0, std::string("no axis: ") + row.no_axis);
-    refuse("to_axis", kind == JointKind::universal, "none: only a universal joint has one");
-    for (const char* key : {"point", "to_point"}) refuse(key, is_distance, "anchor, the point that both sides keep");
-    for (const char* key : {"length", "least", "most"}) refuse(key, is_distance, "none: only a distance has one");
-    refuse("limits", *row.no_limits == 0, std::string("no limits: ") + row.no_limits);
-    refuse("spring", *row.no_spring == 0, std::string("no spring: ") + row.no_spring);
-    refuse("to_spring", kind == JointKind::universal, "none: only a universal joint has a second axis");
-    refuse("break_torque", !is_distance, "break_force: a distance carries no torque");
+    refuse("anchor", "point and to_point, its two ends");
+    refuse("axis", std::string("no axis: ") + row.no_axis);
+    refuse("to_axis", "none: only a universal joint has one");
+    for (const char* key : {"point", "to_point"}) refuse(key, "anchor, the point that both sides keep");
+    for (const char* key : {"length", "least", "most"}) refuse(key, "none: only a distance has one");
+    refuse("limits", std::string("no limits: ") + row.no_limits);
+    refuse("spring", std::string("no spring: ") + row.no_spring);
+    refuse("to_spring", "none: only a universal joint has a second axis");
+    refuse("break_torque", "break_force: a distance carries no torque");
+    const JointDescription any;
+    detail::each_field_of_joint([&](Field field, const auto&) { refuse(field.name, "none"); }, any);
+}
+
+// The fields of a joint but its bodies; the kind `has` some. From here on keys that the kind has not are not there, or
+// the kind is not.
+void read_fields(Table& table, JointDescription& joint, const std::set<std::string>& has) {
+    detail::each_field_of_joint(
+        [&]<class T>(Field field, T& value) {
+            const bool is_required = has.contains(field.name);
+            if constexpr (std::is_same_v<T, JointSpringDescription>) {
+                read_spring(table, field.name, joint.kind, value);
+            } else if constexpr (std::is_same_v<T, Triple>) {
+                const bool is_axis = &value == &joint.axis;
+                if (is_axis || &value == &joint.to_axis)
+                    return read_axis(table, field, value, is_required,
+                                     is_axis ? row_of(joint.kind).axis
+                                             : "the axis that to_body keeps, perpendicular to axis");
+                table.read(field.name, value, values_of<T>(field), is_required);
+                if (&value == &joint.anchor) table.read("point", value, values_of<T>(field), has.contains("point"));
+            } else if constexpr (std::is_same_v<T, double>) {
+                if (&value == &joint.least && table.optional("length", joint.most, Quantity{Field::positive, "m"}))
+                    joint.least = joint.most;
+                table.optional(field.name, value, values_of<T>(field));
+                if (&value != &joint.most) return;
+                if (is_required) require_range(table);
+                read_limits(table, joint);
+            }
+        },
+        joint);
 }
 
 }  // namespace
@@ -332,28 +362,17 @@ JointDescription read_joint(Table table, const SceneDescription& scene, RangeDes
     std::string body, to_body;
     refuse_what_is_not_there(table);
     table.optional("name", joint.name);
-    if (const auto kind = table.find("kind")) {
-        joint.kind = read_kind(*kind);
-        refuse_what_the_kind_has_not(table, joint.kind);
-    } else table.missing("kind", listed(keys_of(words<JointKind>)));
-    // From here on keys that the kind has not are not there, or the kind is not.
-    const KindRow& row = row_of(joint.kind);
-    const bool is_universal = joint.kind == JointKind::universal, is_distance = joint.kind == JointKind::distance;
+    const auto kind = table.find("kind");
+    if (kind) joint.kind = read_kind(*kind);
+    else table.missing("kind", listed(keys_of(words<JointKind>)));
+    const std::set<std::string> has = keys_of(joint.kind);
+    if (kind) refuse_what_the_kind_has_not(table, joint.kind, has);
     table.required("body", body);
     const bool has_to_body = table.optional("to_body", to_body);
-    read_point(table, "anchor", joint.anchor, !is_distance);
-    read_point(table, "point", joint.anchor, is_distance);
-    read_point(table, "to_point", joint.to_point, is_distance);
-    read_axis(table, "axis", joint.axis, *row.axis != 0, row.axis);
-    read_axis(table, "to_axis", joint.to_axis, is_universal, "the axis that to_body keeps, perpendicular to axis");
-    read_distance(table, joint);
-    read_limits(table, joint);
-    read_spring(table, "spring", joint.kind, joint.spring);
-    read_spring(table, "to_spring", joint.kind, joint.to_spring);
-    table.optional("break_force", joint.break_force, Quantity{Quantity::positive, "N"});
-    table.optional("break_torque", joint.break_torque, Quantity{Quantity::positive, "N m"});
+    read_fields(table, joint, has);
     table.finish();
 
+    const bool is_distance = joint.kind == JointKind::distance;
     if (is_distance) check_distance(table, joint);
     if (joint.is_rod() && joint.spring.acts())
         table.at("spring").fail("given for a rod, which keeps its length", "least and most, or no spring");
@@ -367,7 +386,7 @@ JointDescription read_joint(Table table, const SceneDescription& scene, RangeDes
     check_range(table, is_distance ? "point" : "anchor", joint.anchor, "position", range);
     if (is_distance) check_range(table, "to_point", joint.to_point, "position", range);
     check_arms(table, joint, scene, range);
-    if (is_universal) check_perpendicular(table, joint);
+    if (joint.kind == JointKind::universal) check_perpendicular(table, joint);
     refuse_loop(table, joint, scene);
     return joint;
 }

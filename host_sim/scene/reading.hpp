@@ -16,21 +16,27 @@ inline void convert(const Value& value, std::optional<int>& out, const Quantity&
     out = static_cast<int>(value.whole(0, BodySpec::all_layers));
 }
 
+// The values that a field of type T takes.
+template <class T>
+[[nodiscard]] decltype(auto) values_of(const Field& field) {
+    const bool is_turn = std::is_same_v<T, Quadruple>, is_vector = std::is_same_v<T, Triple>;
+    if constexpr (std::is_enum_v<T>) return (words<T>);
+    else
+        return Quantity{field.kind == Field::state ? Field::any : field.kind, field.unit,
+                        is_turn     ? "w, x, y, z"
+                        : is_vector ? "x, y, z"
+                                    : ""};
+}
+
 // Reads all keys of a table that are fields of a spec, with their units and bounds, into what has these fields. A body,
 // and what takes a table, has a reader of its own.
 template <class Spec>
 void read_fields(Table& table, auto& into) {
     Spec::each(
         [&]<class T>(Field field, T& value) {
-            const bool is_turn = std::is_same_v<T, Quadruple>, is_vector = std::is_same_v<T, Triple>;
-            const Quantity quantity{field.kind == Field::state ? Field::any : field.kind, field.unit,
-                                    is_turn     ? "w, x, y, z"
-                                    : is_vector ? "x, y, z"
-                                                : ""};
             if (field.kind == Field::body) return;
-            if constexpr (std::is_enum_v<T>) table.optional(field.name, value, words<T>);
-            else if constexpr (requires(const Value& text) { convert(text, value, quantity); })
-                table.optional(field.name, value, quantity);
+            if constexpr (requires(const Value& text) { convert(text, value, values_of<T>(field)); })
+                table.optional(field.name, value, values_of<T>(field));
         },
         into);
 }

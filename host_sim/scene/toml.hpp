@@ -161,6 +161,13 @@ public:
         if (!optional(key, out, how)) missing(key, wanted(out, how));
     }
 
+    // A key that is required or optional.
+    template <class T, class How>
+    void read(const std::string& key, T& out, const How& how, bool is_required) {
+        if (is_required) required(key, out, how);
+        else optional(key, out, how);
+    }
+
     // Remembers that a key is missing; finish() reports it unless a misspelt key explains it.
     void missing(const std::string& key, const std::string& wanted) {
         if (!missing_) missing_ = {key, wanted};

@@ -1,7 +1,7 @@
 // The words of scene files for what has a fixed set of choices.
 #pragma once
 
-#include <tumble/body/setup.hpp>
+#include <tumble/events/event.hpp>
 
 #include <string>
 #include <utility>
@@ -23,6 +23,16 @@ inline const Words<ContactResponse> words<ContactResponse>{
     {"impulse", ContactResponse::impulse}, {"spring", ContactResponse::spring}, {"none", ContactResponse::none}};
 template <>
 inline const Words<Frame> words<Frame>{{"world", Frame::world}, {"body", Frame::body}};
+template <>
+inline const Words<EventKind> words<EventKind> = [] {
+    Words<EventKind> all;
+    for (int i = 0; i <= static_cast<int>(EventKind::remove_joint); ++i) {
+        const auto kind = static_cast<EventKind>(i);
+        // A scene keeps its bodies, and its timed forces have tables of their own.
+        if (kind != EventKind::remove && !is_timed(kind)) all.emplace_back(name_of(kind), kind);
+    }
+    return all;
+}();
 template <>
 inline const Words<Mixing> words<Mixing>{{"larger", Mixing::larger},
                                          {"smaller", Mixing::smaller},

@@ -12,27 +12,59 @@ namespace {
 
 std::string frame_text(Frame of) { return toml_line("frame", of == Frame::body ? json_text("body") : ""); }
 
-// Where a joint holds its sides, and its range.
-std::string ends_text(const JointDescription& joint) {
-    if (joint.kind != JointKind::distance)
-        return toml_line("anchor", joint.anchor) +
-               (joint.has_ends() ? toml_line("limits", std::array{joint.least, joint.most}) : "");
-    return toml_line("point", joint.anchor) + toml_line("to_point", joint.to_point) +
-           (joint.is_rod() ? toml_line("length", joint.most)
-                           : toml_line("least", joint.least) + toml_line("most", joint.most));
+// Values of a scene, with its bodies by their names.
+struct InToml {
+    const SceneDescription& scene;
+    std::string operator()(int body) const { return body < 0 ? "" : json_text(scene.body(body).name); }
+    std::string operator()(const auto& value) const { return in_toml(value); }
+};
+
+std::string spring_text(const SpringDescription& spring, const InToml& text_of) {
+    std::string text = "\n[[spring]]\n";
+    SpringSpec::each(
+        [&](Field field, const auto& value) {
+            const bool is_to_point = spring.to_body >= 0 && std::string_view{field.name} == "to";
+            text += toml_line(is_to_point ? "to_point" : field.name, text_of(value));
+        },
+        spring);
+    return text;
 }
 
 std::string spring_text(const JointSpringDescription& spring, JointKind kind) {
     if (!spring.acts()) return "";
-    const std::string rest = rest_key(kind);
-    return "{ stiffness = " + in_toml(spring.stiffness) + ", damping = " + in_toml(spring.damping) +
-           (spring.rest != 0 ? ", " + rest + " = " + in_toml(spring.rest) : "") + " }";
+    std::string text;
+    JointSpring::each(
+        [&](Field field, const double& number) {
+            const bool is_rest = &number == &spring.rest;
+            if (!is_rest || number != 0)
+                text += (text.empty() ? "{ " : ", ") + std::string(is_rest ? rest_key(kind) : field.name) + " = " +
+                        in_toml(number);
+        },
+        spring);
+    return text + " }";
+}
+
+std::string joint_text(const JointDescription& joint, const InToml& text_of) {
+    std::string text =
+        "\n[[joint]]\n" + toml_line("name", json_text(joint.name)) + toml_line("kind", json_text(word_of(joint.kind)));
+    for_each_field(joint, [&]<class T>(Field field, const T& value) {
+        const std::string_view name = field.name;
+        const bool is_rod_end = joint.is_rod() && (name == "least" || name == "most");
+        if constexpr (std::is_same_v<T, JointSpringDescription>) {
+            text += toml_line(field.name, spring_text(value, joint.kind));
+        } else if constexpr (!std::is_same_v<T, double>) {
+            text += toml_line(field.name, text_of(value));
+        } else if (value != 0 && !(is_rod_end && name == "least")) {
+            text += toml_line(is_rod_end ? "length" : field.name, value);
+        }
+    });
+    return text;
 }
 
 }  // namespace
 
 std::string scene_text(const SceneDescription& scene) {
-    const auto name_of = [&](int body) { return json_text(scene.body(body).name); };
+    const InToml text_of{scene};
     const std::string step =
         scene.step.denominator == 0 ? in_toml(scene.step.decimal) : json_text(step_text(scene.step));
     std::string text = toml_line("name", json_text(scene.name));
@@ -54,24 +86,11 @@ std::string scene_text(const SceneDescription& scene) {
                 toml_line("density", b.density) + toml_line("linear_drag", b.linear_drag) +
                 toml_line("quadratic_drag", b.quadratic_drag) +
                 toml_line("wheel_momentum", b.is_point_mass() ? std::string() : in_toml(b.wheel_momentum));
-    for (const SpringDescription& s : scene.springs)
-        text += "\n[[spring]]\n" + toml_line("body", name_of(s.body)) + toml_line("point", s.point) +
-                (s.to_body < 0 ? toml_line("to", s.to)
-                               : toml_line("to_body", name_of(s.to_body)) + toml_line("to_point", s.to)) +
-                toml_line("stiffness", s.stiffness) + toml_line("damping", s.damping) +
-                toml_line("rest_length", s.rest_length);
-    for (const JointDescription& j : scene.joints)
-        text += "\n[[joint]]\n" + toml_line("name", json_text(j.name)) + toml_line("kind", json_text(word_of(j.kind))) +
-                toml_line("body", name_of(j.body)) + (j.to_body < 0 ? "" : toml_line("to_body", name_of(j.to_body))) +
-                ends_text(j) + (j.axis == Triple{} ? "" : toml_line("axis", j.axis)) +
-                (j.to_axis == Triple{} ? "" : toml_line("to_axis", j.to_axis)) +
-                toml_line("spring", spring_text(j.spring, j.kind)) +
-                toml_line("to_spring", spring_text(j.to_spring, j.kind)) +
-                (j.break_force > 0 ? toml_line("break_force", j.break_force) : "") +
-                (j.break_torque > 0 ? toml_line("break_torque", j.break_torque) : "");
+    for (const SpringDescription& spring : scene.springs) text += spring_text(spring, text_of);
+    for (const JointDescription& joint : scene.joints) text += joint_text(joint, text_of);
     for (const ImpulseDescription& impulse : scene.impulses) text += impulse_text(impulse, scene);
     for (const ForceDescription& f : scene.forces)
-        text += "\n[[force]]\n" + toml_line("body", name_of(f.body)) + toml_line("from", f.from) +
+        text += "\n[[force]]\n" + toml_line("body", text_of(f.body)) + toml_line("from", f.from) +
                 toml_line("until", f.until) + toml_line("force", f.force) + frame_text(f.frame) +
                 toml_line("point", f.point) + toml_line("torque", f.torque);
     for (const EventDescription& event : scene.events) text += event_text(event, scene);
@@ -95,16 +114,18 @@ std::string expectation_text(const Expectation& expected) {
 }
 
 std::string event_text(const EventDescription& event, const SceneDescription& scene) {
-    const std::string head =
-        "\n[[event]]\n" + toml_line("time", event.time) + toml_line("kind", json_text(name_of(event.kind)));
-    if (has_joint(event.kind))
-        return head + toml_line("joint", json_text(scene.joints[static_cast<std::size_t>(event.joint)].name));
-    return head + (has_body(event.kind) ? toml_line("body", json_text(scene.body(event.body).name)) : "") +
-           toml_line("value", event.value) + frame_text(event.frame) +
-           (event.point == Triple{} ? "" : toml_line("point", event.point)) +
-           (event.kind == EventKind::pose && !scene.body(event.body).is_point_mass()
-                ? toml_line("orientation", event.orientation)
-                : "");
+    const InToml text_of{scene};
+    const EventDescription usual_event;
+    std::string text = "\n[[event]]\n";
+    EventSpec::each(
+        [&]<class T>(Field field, const T& value, const T& usual) {
+            const std::string_view name = field.name;
+            const bool is_required = name == "time" || name == "kind" || (name == "value" && !has_joint(event.kind));
+            if (is_required || value != usual) text += toml_line(field.name, text_of(value));
+        },
+        event, usual_event);
+    if (!has_joint(event.kind)) return text;
+    return text + toml_line("joint", json_text(scene.joints[static_cast<std::size_t>(event.joint)].name));
 }
 
 }  // namespace tumble::host

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "scene/fields.hpp"
+#include "scene/reader.hpp"
 #include "scene/reading.hpp"
 
 namespace tumble::host::fields {
@@ -47,6 +48,30 @@ TEST(AFieldMore, is_refused_outside_its_bound) {
     } catch (const SceneError& error) {
         EXPECT_STREQ(error.what(), "soft.toml:1: softness: got -1, expected a finite number >= 0 (m/N)");
     }
+}
+
+// The message about an unknown key names those that there are.
+template <class... Specs>
+void expect_keys(const std::string& table) {
+    std::string message;
+    try {
+        (void)read_scene_text(
+            "[world]\nstep = 1\nduration = 1\n[[body]]\nname = \"a\"\nshape = \"none\"\nmass = 1\n[[" + table +
+                "]]\nno_key = 1\n",
+            "keys.toml");
+    } catch (const SceneError& error) { message = error.what(); }
+    EXPECT_NE(message.find(table + "[0].no_key: unknown key"), std::string::npos) << message;
+    const auto expect = [&](Field field, const auto&) {
+        EXPECT_NE(message.find('"' + std::string(field.name) + '"'), std::string::npos)
+            << field.name << ": " << message;
+    };
+    (Specs::each(expect, static_cast<const Specs&>(Specs{})), ...);
+}
+
+TEST(EveryField, of_a_spring_a_joint_and_an_event_is_a_key_of_its_table) {
+    expect_keys<SpringSpec>("spring");
+    expect_keys<HingeSpec, BallSpec, FixedSpec, SliderSpec, UniversalSpec, DistanceSpec>("joint");
+    expect_keys<EventSpec>("event");
 }
 
 }  // namespace
