@@ -3,7 +3,6 @@
 #include "host/host_rows.hpp"
 #include "pictures/drawing.hpp"
 
-#include <cmath>
 #include <optional>
 
 namespace tumble::bench {

@@ -24,7 +24,6 @@ namespace tumble::bench::stress {
 namespace {
 
 using reference::Number;
-using reference::Rotation;
 using reference::Vector;
 using reference::vector_of;
 

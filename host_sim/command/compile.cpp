@@ -10,7 +10,6 @@
 #include <limits>
 #include <set>
 #include <sstream>
-#include <string_view>
 
 #include "command/command.hpp"
 #include "scene/fields.hpp"

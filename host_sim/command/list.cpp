@@ -1,7 +1,6 @@
 // `tumble list`.
 #include <tumble/integrators/method.hpp>
 
-#include <algorithm>
 #include <iomanip>
 #include <iostream>
 

@@ -1,7 +1,6 @@
 // What the command says of a run that went wrong.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "scene/description.hpp"

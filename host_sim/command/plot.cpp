@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include "scene/reader.hpp"
 #include "tools/gnuplot.hpp"

@@ -2,7 +2,6 @@
 #include <tumble/version.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <iomanip>
 #include <iostream>
 #include <limits>

@@ -2,8 +2,6 @@
 #include <tumble/shapes/shape.hpp>
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 
 #include "scene/data.hpp"
 #include "scene/reading.hpp"

@@ -1,9 +1,7 @@
 #include "scene/reader.hpp"
 
-#include <array>
 #include <cmath>
 #include <numeric>
-#include <system_error>
 
 #include "scene/data.hpp"
 #include "scene/reading.hpp"

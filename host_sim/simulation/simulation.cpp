@@ -3,7 +3,6 @@
 #include <tumble/integrators/list.hpp>
 
 #include <algorithm>
-#include <cmath>
 
 #include "simulation/modules.hpp"
 #include "simulation/number_systems.hpp"

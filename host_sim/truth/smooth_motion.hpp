@@ -5,7 +5,6 @@
 // every impulse the velocities across joints end.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <stdexcept>

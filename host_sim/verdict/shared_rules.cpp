@@ -1,7 +1,6 @@
 #include "verdict/shared_rules.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "scene/data.hpp"

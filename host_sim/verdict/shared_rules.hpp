@@ -3,7 +3,6 @@
 #pragma once
 
 #include <set>
-#include <utility>
 #include <vector>
 
 #include "scene/description.hpp"

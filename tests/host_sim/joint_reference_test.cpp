@@ -1,6 +1,5 @@
 // The reference of jointed bodies against motions that are known in closed form or by other equations.
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <random>
 

@@ -1,7 +1,6 @@
 // Air, wheels and the gravity gradient of scene files: closed forms of motion under them, the reference beside the
 // kernel, what a firmware's header holds, and the bits of a core.
 #include <cmath>
-#include <numbers>
 
 #include "command/command.hpp"
 #include "command_runner.hpp"

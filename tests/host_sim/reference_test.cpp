@@ -1,6 +1,5 @@
 // The reference against motions that are known in closed form, and against the kernel on every load at once.
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include "command_runner.hpp"

@@ -2,7 +2,6 @@
 // the user's units and axes.
 #include <tumble/body/words.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <numbers>

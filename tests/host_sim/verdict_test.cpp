@@ -2,7 +2,6 @@
 // what physics says of single scenes.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "command/check.hpp"

@@ -5,7 +5,6 @@
 #include <tumble/scene.hpp>
 #include <tumble/status.hpp>
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>

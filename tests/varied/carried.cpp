@@ -2,7 +2,6 @@
 // kinematic body moves by its velocity times the step. What rests on it keeps its place on it.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "kinds.hpp"

@@ -1,8 +1,6 @@
 // Bodies that slide or roll over the edge of a table. A contact that ends within a step pushes until it ends. Right
 // values are free fall, and the integration of a box that tips over an edge without friction.
-#include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "kinds.hpp"
 

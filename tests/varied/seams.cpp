@@ -2,7 +2,6 @@
 // values are Coulomb's law, free fall, and the same scene with one block in place of many.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "kinds.hpp"
 

@@ -1,7 +1,6 @@
 // Sleepers with a load that a fixed or kinematic body changes: a spring whose other end moves, turns or is placed
 // elsewhere, and the attraction of a mass that comes near. Right values are Coulomb's law and an integration of one
 // equation of motion.
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 

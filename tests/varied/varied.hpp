@@ -3,7 +3,6 @@
 // alone.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>

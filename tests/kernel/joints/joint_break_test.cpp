@@ -3,8 +3,6 @@
 #include "joint_cases.hpp"
 
 #include <array>
-#include <cmath>
-#include <vector>
 
 namespace tumble::test::joint_breaks {
 namespace {

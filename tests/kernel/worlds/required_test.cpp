@@ -6,7 +6,6 @@
 #include "references.hpp"
 #include "worlds.hpp"
 
-#include <array>
 #include <set>
 #include <string>
 #include <vector>
