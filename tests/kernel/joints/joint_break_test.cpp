@@ -192,6 +192,108 @@ TYPED_TEST(Breaks, a_snapshot_knows_what_has_broken) {
     EXPECT_EQ(other.restore(broken.data(), broken_size), SnapshotFault::corrupted);
 }
 
+// Joints go and come back at steps that the seed chooses; events are recorded, so a world that went back replays them.
+TYPED_TEST(Breaks, a_world_goes_back_over_joints_that_broke_or_were_removed) {
+    using World = typename TestFixture::World;
+    for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
+        auto random = [state = seed]() mutable { return (state = state * 1664525u + 1013904223u) >> 16; };
+        World world = this->falling();
+        this->add_chain(world, seed % 2 == 0 ? 60 : 0);
+        if (seed % 3 == 0) world.remove(BodyId{3});
+        const World start = world;
+        Recorder<typename TestFixture::N, 32> recorder;
+        world.record(&recorder);
+        struct Saved {
+            std::array<std::uint8_t, 16384> bytes{};
+            int size = 0, step = 0, joints = 0;
+        };
+        std::vector<Saved> saved;
+        std::vector<std::uint64_t> hashes;
+        for (int step = 0; step < 120; ++step) {
+            if (step % 30 == 10) {
+                Saved& now = saved.emplace_back();
+                now.size = world.save(now.bytes.data(), static_cast<int>(now.bytes.size()));
+                now.step = step;
+                now.joints = world.joint_count();
+            }
+            const JointId id{static_cast<int>(random() % 4)};
+            if (step % 30 == 20 && world.contains(id)) {
+                if (random() % 3 != 0) world.remove(id);
+                else world.break_joint(id);
+            }
+            if (random() % 8 == 0) world.apply_impulse(BodyId{static_cast<int>(random() % 3)}, {0, 0.25, 0.125});
+            this->run(world, 1);
+            hashes.push_back(world.hash());
+        }
+        EXPECT_LT(world.joint_count(), start.joint_count()) << seed;
+        world.record(nullptr);
+        for (World going : {world, start}) {
+            going.set_script(recorder.script());
+            for (const auto& [bytes, size, step, joints] : saved) {
+                ASSERT_EQ(going.restore(bytes.data(), size), SnapshotFault::none) << seed << " " << step;
+                EXPECT_EQ(going.joint_count(), joints) << seed << " " << step;
+                for (int k = step; k < 120; ++k) {
+                    this->run(going, 1);
+                    ASSERT_EQ(going.hash(), hashes[static_cast<std::size_t>(k)]) << seed << " " << step << " " << k;
+                }
+            }
+        }
+        // The joints stay those of the world where bodies alone go back.
+        const int left = world.joint_count();
+        std::array<std::uint8_t, 4096> bodies{};
+        World early = start;
+        const int size = early.save(bodies.data(), static_cast<int>(bodies.size()), SnapshotPart::bodies);
+        ASSERT_EQ(world.restore(bodies.data(), size), SnapshotFault::none);
+        EXPECT_EQ(world.joint_count(), left);
+        this->run(world, 10);
+        // A body that goes takes its joints along for good: it is of the scene.
+        World less = start;
+        less.remove(BodyId{2});
+        const std::uint64_t before = less.hash();
+        EXPECT_EQ(less.restore(saved[0].bytes.data(), saved[0].size), SnapshotFault::other_scene);
+        EXPECT_EQ(less.hash(), before);
+    }
+}
+
+// Bytes with a right check word that name joints which no world of this scene had.
+TYPED_TEST(Breaks, forged_joints_are_refused) {
+    auto world = this->falling();
+    this->add_chain(world, 0);
+    world.break_joint(JointId{3});
+    // It has the place of a broken one beside it: both at once would close a loop.
+    (void)world.add(HingeSpec{.body = 3, .to_body = 2, .anchor = {1.5, 0, 0}});
+    std::vector<std::uint8_t> bytes(16384);
+    bytes.resize(static_cast<std::size_t>(world.save(bytes.data(), static_cast<int>(bytes.size()))));
+    // The states of six joints follow each other: there, there, there, there and broken, there, none.
+    const std::array<std::uint32_t, 6> states{1, 1, 1, 3, 1, 0};
+    std::size_t at = 0;
+    const auto word = [&](std::size_t i) { return tumble::detail::word_at(bytes.data() + i); };
+    for (std::size_t i = 32; at == 0 && i + 24 <= bytes.size(); i += 4) {
+        bool is_here = true;
+        for (std::size_t k = 0; k < 6; ++k) is_here = is_here && word(i + 4 * k) == states[k];
+        if (is_here) at = i;
+    }
+    ASSERT_GT(at, 0u);
+    const auto fault_with = [&](std::size_t joint, std::uint8_t state) {
+        auto forged = bytes;
+        forged[at + 4 * joint] = state;
+        tumble::detail::Crc32 crc;
+        for (std::size_t i = 0; i + 4 < forged.size(); ++i) crc.add(forged[i]);
+        for (std::size_t i = 0; i < 4; ++i)
+            forged[forged.size() - 4 + i] = static_cast<std::uint8_t>(crc.value() >> (8 * i));
+        auto other = world;
+        const SnapshotFault fault = other.restore(forged.data(), static_cast<int>(forged.size()));
+        EXPECT_TRUE(fault == SnapshotFault::none || other.hash() == world.hash());
+        this->run(other, 2);
+        return fault;
+    };
+    EXPECT_EQ(fault_with(2, 1), SnapshotFault::none);
+    EXPECT_EQ(fault_with(2, 0), SnapshotFault::none);       // it is removed there
+    EXPECT_EQ(fault_with(3, 1), SnapshotFault::corrupted);  // a loop
+    EXPECT_EQ(fault_with(5, 1), SnapshotFault::corrupted);  // there never was one
+    EXPECT_EQ(fault_with(5, 2), SnapshotFault::none);       // nothing that is broken
+}
+
 TYPED_TEST(Breaks, a_strength_that_cannot_be_is_refused) {
     auto world = this->falling();
     (void)world.add(at(box(1, {1, 0.5, 0.25}), {}));

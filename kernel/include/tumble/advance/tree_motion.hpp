@@ -124,7 +124,7 @@ public:
 
     void keep_joint_springs() {
         if constexpr (features.has_joint_springs())
-            loads.joint_springs().keep([&](int j) { return joints.record(j).is_there; },
+            loads.joint_springs().keep([&](int j) { return joints.record(j).is_known(); },
                                        [&](int j) { return joints.acts(j); }, bodies);
     }
 

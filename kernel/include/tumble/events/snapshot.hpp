@@ -26,7 +26,7 @@ enum class SnapshotFault : std::uint8_t {
     corrupted,      // the check word is wrong, or a number is beyond its room or its range
     other_bits,     // of a kernel with another TUMBLE_BITS
     other_numbers,  // of another number system
-    other_scene,    // of a world with other bodies, planes, springs or step; of a whole world: or with other features
+    other_scene,    // of other bodies, planes, springs or step; of a whole world: or of other joints or features
 };
 
 // The name of a fault: other_scene.
@@ -309,7 +309,7 @@ private:
 
 struct SnapshotHeader {
     static constexpr int words = 8, bytes = 4 * words;
-    static constexpr std::uint32_t mark = 0x6c626d74u, version = 4;  // "tmbl"
+    static constexpr std::uint32_t mark = 0x6c626d74u, version = 5;  // "tmbl"
 
     SnapshotPart part = SnapshotPart::world;
     Spin spin = Spin::none;     // in the states of bodies

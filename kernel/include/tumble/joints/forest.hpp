@@ -21,6 +21,10 @@ struct JointRecord {
     std::uint8_t kind = 0;
     bool is_there = false;
     std::uint16_t generation = 0;  // removals of a joint of this place, modulo 2^16
+
+    // False of a place that has had no joint, or one of a body that has been removed. That of a joint that has been
+    // removed is kept until the place is used again: a snapshot may bring it back.
+    [[nodiscard]] bool is_known() const { return side[0].body >= 0; }
 };
 
 // The range of a joint, and the end of it at which it is held.
@@ -160,11 +164,15 @@ public:
     [[nodiscard]] const JointStrength<N>& strength(int place) const requires(features.joint_breaks) {
         return strength_[place];
     }
-    // Of a body that leaves the world: removes its joints.
+    // Of a body that leaves the world: removes its joints, and forgets those that it had.
     void remove_from(int b, const auto& bodies) {
-        for (int j = 0; j < room; ++j)
-            if (record_[j].is_there && (record_[j].side[0].body == b || record_[j].side[1].body == b))
-                remove(j, bodies);
+        for (int j = 0; j < room; ++j) {
+            if (record_[j].side[0].body != b && record_[j].side[1].body != b) continue;
+            if (record_[j].is_there) remove(j, bodies);
+            const std::uint16_t generation = record_[j].generation;
+            record_[j] = {};
+            record_[j].generation = generation;
+        }
     }
     // Call after a change of the velocity, or of the pose, of a body by something other than a step. A fixed body is a
     // base of trees.
@@ -317,7 +325,7 @@ public:
     // Writes or reads what the next step depends on beside the poses.
     template <class Self, class Archive>
     static void archive(Self& self, [[maybe_unused]] const auto& bodies, Archive& to) {
-        if constexpr (features.joint_breaks) return archive_with_broken(self, bodies, to);
+        if constexpr (features.joint_breaks || features.removal) return archive_with_trees(self, bodies, to);
         for (int t = 0; t < self.tree_count_; ++t) {
             auto& tree = self.tree_[t];
             to(tree.is_disturbed, tree.is_moved);
@@ -335,11 +343,12 @@ public:
                 }
         }
     }
+    // What was added. Which of it is there, or has broken, is state.
     void add_to(auto& digest) const {
         for (int j = 0; j < room; ++j) {
             const Record& joint = record_[j];
-            digest.add(static_cast<int>(joint.is_there) + 2 * static_cast<int>(joint.generation));
-            if (!joint.is_there) continue;
+            digest.add(static_cast<int>(joint.is_known()));
+            if (!joint.is_known()) continue;
             digest.add(static_cast<int>(joint.kind));
             for (const auto& side : joint.side) {
                 digest.add(static_cast<int>(side.body));
@@ -363,18 +372,32 @@ public:
     }
 
 private:
-    // The trees follow from what has broken: by bodies and joints, of which there are as many in every state.
+    // The trees follow from the joints that act: by bodies and joints, of which there are as many in every state.
     template <class Self, class Archive>
-    static void archive_with_broken(Self& self, const auto& bodies, Archive& to) requires(features.joint_breaks) {
-        bool is_other = false;
+    static void archive_with_trees(Self& self, const auto& bodies, Archive& to) {
+        constexpr int there = 1, broken = 2,
+                      in_state = (features.removal ? ~broken : 0) | (features.joint_breaks ? broken : 0);
+        bool is_other = false, acts[room]{};
         for (int j = 0; j < room; ++j) {
-            bool is_broken = self.strength_[j].is_broken;
-            to(is_broken);
-            is_other = is_other || is_broken != self.strength_[j].is_broken;
-            if constexpr (Archive::reads) self.strength_[j].is_broken = is_broken;
+            auto& joint = self.record_[j];
+            const int own = self.state_of(j);
+            int state = own;
+            state = to.within(state, 0, 0x3ffff);
+            to.require((state & there) == 0 || joint.is_known());
+            to.require(((state ^ own) & ~in_state) == 0);
+            acts[j] = (state & (there | broken)) == there && joint.is_known();
+            is_other = is_other || acts[j] != self.acts(j);
+            if constexpr (Archive::reads) {
+                joint.is_there = (state & there) != 0;
+                joint.generation = static_cast<std::uint16_t>(state >> 2);
+                if constexpr (features.joint_breaks) self.strength_[j].is_broken = (state & broken) != 0;
+            }
         }
-        if constexpr (Archive::reads)
+        if constexpr (Archive::reads) {
             if (is_other) self.order(bodies);
+        } else if (to.compares()) {
+            to.require(self.ties_trees(bodies, acts));
+        }
         for (int b = 0; b < bodies.count; ++b) {
             const int i = self.node_of_body(b);
             JointTreeState tree = i < 0 ? JointTreeState{} : self.tree_at(i);
@@ -403,6 +426,26 @@ private:
         if constexpr (Archive::reads && features.has_joint_ranges())
             for (int i = 0; i < self.node_count_; ++i)
                 if (self.has_range(self.node_[i])) self.set_end(self.node_[i], self.range(self.node_[i]).end);
+    }
+    // Whether a joint is there, whether it has broken, and its generation.
+    [[nodiscard]] int state_of(int j) const {
+        int state = (record_[j].is_there ? 1 : 0) | record_[j].generation << 2;
+        if constexpr (features.joint_breaks) state |= strength_[j].is_broken ? 2 : 0;
+        return state;
+    }
+    // False where the joints that act would close a loop. It takes time as joints times bodies.
+    TUMBLE_COLD [[nodiscard]] bool ties_trees(const auto& bodies, const bool (&acts)[room]) const {
+        int tree[features.bodies]{};  // 0: the world and the fixed bodies
+        for (int b = 0; b < bodies.count; ++b) tree[b] = is_base(bodies, b) ? 0 : b + 1;
+        for (int j = 0; j < room; ++j) {
+            if (!acts[j]) continue;
+            const int to_body = record_[j].side[1].body;
+            const int one = tree[record_[j].side[0].body], other = to_body < 0 ? 0 : tree[to_body];
+            if (one == other) return false;
+            for (int& t : tree)
+                if (t == other) t = one;
+        }
+        return true;
     }
     // -1 of a body without a joint that holds.
     [[nodiscard]] int node_of_body(int b) const {

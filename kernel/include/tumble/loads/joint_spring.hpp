@@ -45,10 +45,10 @@ public:
         for (int i = 0; i < 3; ++i) entry.anchor[i] = anchor[i];
         note(all);
     }
-    // Forgets the springs of joints that are not there any more. Those of joints that hold nothing do nothing.
-    TUMBLE_COLD void keep(auto&& is_there, auto&& acts, const auto& all) {
+    // Forgets the springs of joints that are not known any more. Those of joints that hold nothing do nothing.
+    TUMBLE_COLD void keep(auto&& is_known, auto&& acts, const auto& all) {
         for (int j = 0; j < joints; ++j) {
-            if (!is_there(j)) entry_[j] = Entry{};
+            if (!is_known(j)) entry_[j] = Entry{};
             entry_[j].is_on = entry_[j].along != Along::nothing && acts(j);
         }
         note(all);
