@@ -190,6 +190,27 @@ TEST(pages, name_every_feature_with_its_default) {
     expect_same(rows, features, "feature");
 }
 
+// A designated initializer must follow the order of the declaration.
+TEST(pages, name_features_in_the_order_of_their_declaration) {
+    std::vector<std::string> declared;
+    tumble::Features::for_each([&](const char* name, auto) { declared.emplace_back(name); });
+    const std::string text = section(root / "kernel/README.md", "What a scene names");
+    static const std::regex word{"[a-z_]+"}, row{R"(\n\| (`([a-z_]+)`|feature) \|)"};
+    const std::size_t block = text.find("the order is:\n\n```\n") + 19;
+    const std::string list = text.substr(block, text.find("```", block) - block);
+    const std::vector<std::string> listed(std::sregex_token_iterator{list.begin(), list.end(), word},
+                                          std::sregex_token_iterator{});
+    EXPECT_EQ(listed, declared);
+    const auto tables = text.substr(text.find("| feature |") - 1);
+    std::ptrdiff_t last = -1;
+    for (std::sregex_iterator match{tables.begin(), tables.end(), row}, end; match != end; ++match) {
+        const std::string name = (*match)[2];  // empty where a table begins
+        const auto place = name.empty() ? -1 : std::find(declared.begin(), declared.end(), name) - declared.begin();
+        if (!name.empty()) EXPECT_GT(place, last) << name;
+        last = place;
+    }
+}
+
 TEST(pages, name_the_options_that_the_command_has) {
     const fs::path page = root / "host_sim/README.md";
     static const std::regex option{R"(--([a-z][a-z-]*))"}, row{R"(\n\| (`-o`, )?`--([a-z-]+))"};
