@@ -135,6 +135,10 @@ Subcommand CommandLine::add(const std::string& name, const std::string& help, st
 }
 
 int CommandLine::run(int argc, const char* const* argv) {
+    if (argc > 1 && argv[1] == std::string("help")) {
+        const char* const as_option[] = {argv[0], argc > 2 ? argv[2] : "--help", "--help"};
+        return run(3, as_option);
+    }
     const std::vector<std::string> names = subcommands_of(*app_);
     if (const std::string first = argc > 1 ? argv[1] : "-";
         !first.starts_with("-") && std::find(names.begin(), names.end(), first) == names.end())

@@ -67,11 +67,24 @@ void check_joint_event(Table& table, EventDescription& event, const std::string&
     event.joint = resolve_joint(table, joint, scene);
 }
 
+// Forces that begin and end have a table of their own.
+void refuse_timed(Table& table, bool live) {
+    if (!table.has("kind")) return;
+    const auto* const kind = table.at("kind").node().as_string();
+    if (kind == nullptr) return;
+    for (int i = 0; i <= static_cast<int>(EventKind::remove_joint); ++i)
+        if (is_timed(static_cast<EventKind>(i)) && kind->get() == name_of(static_cast<EventKind>(i)))
+            table.at("kind").fail("got " + in_quotes(kind->get()) + ", which is for programs alone",
+                                  live ? "\"force\" or \"torque\", which act until the next one of the body"
+                                       : "a table [[force]] with from and until (s)");
+}
+
 }  // namespace
 
 EventDescription read_event(Table table, const SceneDescription& scene, RangeDescription& range, bool live) {
     EventDescription event;
     std::string body, joint;
+    refuse_timed(table, live);
     read_fields(table, event, body, joint, live);
     table.finish();
 

@@ -75,6 +75,14 @@ StepsWanted read_steps(const Json& object, int line) {
     return {static_cast<std::int64_t>(steps)};
 }
 
+// A line of one key that no event has.
+void refuse_misspelt_step(const Json& object, int line) {
+    if (object.size() != 1 || object.contains("kind")) return;
+    const std::string key = object.begin().key();
+    if (!suggestion(key, std::vector<std::string>{"step"}).empty())
+        fail(line, key, "unknown key (did you mean \"step\"?)", a_line);
+}
+
 }  // namespace
 
 LiveLine read_live_line(const std::string& text, int line, const SceneDescription& scene) {
@@ -93,6 +101,7 @@ LiveLine read_live_line(const std::string& text, int line, const SceneDescriptio
     if (!object.is_object()) fail(line, "event", "is not an object", a_line);
     if (object.contains("step")) return read_steps(object, line);
     try {
+        refuse_misspelt_step(object, line);
         const Document document("event = " + inline_table(object, line) + "\n", source);
         Table root = document.root();
         RangeDescription range = scene.range;

@@ -102,6 +102,8 @@ ImpulseDescription read_impulse(Table table, const SceneDescription& scene) {
     const bool has_strength = table.optional("strength", strength, Quantity{Quantity::positive, "N s"});
     const bool has_angular = table.optional("angular_impulse", impulse.angular_impulse, newton_metre_seconds);
     table.finish();
+    if (has_angular && !has_impulse && !has_face && table.has("point"))
+        table.at("point").fail("given without impulse", "impulse = [x, y, z] (N s) beside it, or no point");
 
     impulse.body = resolve(table, "body", body, scene);
     check_time(table, "time", impulse.time, scene);
@@ -130,6 +132,8 @@ ForceDescription read_force(Table table, const SceneDescription& scene) {
     table.optional("point", force.point, metres);
     const bool has_torque = table.optional("torque", force.torque, newton_metres);
     table.finish();
+    if (has_torque && !has_force && table.has("point"))
+        table.at("point").fail("given without force", "force = [x, y, z] (N) beside it, or no point");
 
     force.body = resolve(table, "body", body, scene);
     refuse_to_turn(table, "point", force.point, scene.body(force.body));

@@ -42,16 +42,15 @@ std::string passed_by(const BodyDescription& body, const SceneDescription& scene
 // A force's impulse that differs by more than this part of its size gets a warning.
 constexpr double impulse_tolerance = 0.1;
 
-// The warning about a force whose impulse differs by more, because it acts in whole steps, between those nearest to its
-// times. Empty for any other force.
+// The warning about a force that the end of the run cuts, or whose impulse differs by more because it acts in whole
+// steps, between those nearest to its times. Empty for any other force.
 std::string other_impulse(const ForceDescription& force, const SceneDescription& scene) {
     const double step = scene.step.seconds();
-    const std::int64_t from = nearest_step(force.from, scene.step),
-                       until = std::min(nearest_step(force.until, scene.step), scene.steps());
+    const std::int64_t from = nearest_step(force.from, scene.step), end = nearest_step(force.until, scene.step),
+                       until = std::min(end, scene.steps());
     if (from >= scene.steps()) return "begins when the last step has been taken, so it has no effect";
-    const double wanted = std::min(force.until, static_cast<double>(scene.steps()) * step) - force.from,
-                 given = static_cast<double>(until - from) * step;
-    if (std::abs(given - wanted) <= impulse_tolerance * wanted) return {};
+    const double wanted = force.until - force.from, given = static_cast<double>(until - from) * step;
+    if (until == end && std::abs(given - wanted) <= impulse_tolerance * wanted) return {};
     const auto impulse = [&](double seconds) {
         const auto length = [](const Triple& v) { return std::hypot(v[0], v[1], v[2]); };
         const double linear = length(force.force), angular = length(force.torque);
@@ -59,6 +58,9 @@ std::string other_impulse(const ForceDescription& force, const SceneDescription&
                (angular > 0 ? few_digits(angular * seconds) + " N m s" : "");
     };
     if (impulse(wanted).empty()) return {};
+    if (until < end)
+        return "has not ended when the last step has been taken, so its impulse is " + impulse(given) + " instead of " +
+               impulse(wanted);
     return "acts in " + std::to_string(until - from) + (until - from == 1 ? " step" : " steps") + " of " +
            few_digits(step) + " s, so its impulse is " + impulse(given) + " instead of " + impulse(wanted) +
            "; take a shorter step" + (until == from ? " or an impulse" : "");

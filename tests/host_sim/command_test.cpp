@@ -93,6 +93,10 @@ TEST(Command, help_is_not_an_error) {
         EXPECT_EQ(tumble({topic, "--help"}).status, 0) << topic;
     EXPECT_TRUE(has(tumble({"compare", "--help"}).text, "--flip"));
     EXPECT_TRUE(has(tumble({"--help"}).text, "Exit status"));
+    EXPECT_EQ(tumble({"help"}).status, 0);
+    EXPECT_EQ(tumble({"help"}).text, tumble({"--help"}).text);
+    EXPECT_EQ(tumble({"help", "compare"}).text, tumble({"compare", "--help"}).text);
+    EXPECT_EQ(tumble({"help", "dance"}).status, 2);
     EXPECT_FALSE(has(tumble({"run", "--help"}).text, "00000000"));  // the limits of a double, digit by digit
 }
 

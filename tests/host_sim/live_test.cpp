@@ -169,6 +169,14 @@ TEST(Live, a_wrong_line_ends_the_run_with_its_number_and_what_was_expected) {
          "standard input:3: value: given twice, expected each key once"},
         {"{\"kind\": \"forze\", \"body\": \"drone\", \"value\": [0, 0, 1]}",
          "standard input:3: event.kind: got \"forze\" (did you mean \"force\"?), expected"},
+        {"{\"stp\": 1}",
+         "standard input:3: stp: unknown key (did you mean \"step\"?), expected a JSON object: an event such as "},
+        {"{\"Steps\": 4}", "standard input:3: Steps: unknown key (did you mean \"step\"?)"},
+        {"{\"boddy\": 4}", "standard input:3: event.boddy: unknown key (did you mean \"body\"?)"},
+        {"{\"kind\": \"end_torque\", \"body\": \"drone\", \"value\": [0, 0, 1]}",
+         "standard input:3: event.kind: got \"end_torque\", which is for programs alone, expected \"force\" or "
+         "\"torque\", "
+         "which act"},
         {"{\"kind\": \"force\", \"body\": \"dron\", \"value\": [0, 0, 1]}",
          "standard input:3: event.body: got \"dron\" (did you mean \"drone\"?), expected the name of a body"},
         {"{\"kind\": \"force\", \"body\": \"drone\"}", "standard input:3: event.value: missing, expected 3 finite"},

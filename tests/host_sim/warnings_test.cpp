@@ -123,7 +123,7 @@ TEST(Limits, a_force_whose_impulse_changes_in_whole_steps_gives_a_warning) {
     EXPECT_TRUE(has(said("1/64", "0.102", "0.108", "torque = [0.0, 3.0, 4.0]\n"), "0 N m s instead of 0.03 N m s"));
     EXPECT_TRUE(has(said("0.1", "0.14", "0.26", "force = [1.0, 0.0, 0.0]\ntorque = [2.0, 0.0, 0.0]\n"),
                     "2 steps of 0.1 s, so its impulse is 0.2 N s and 0.4 N m s instead of 0.12 N s and 0.24 N m s"));
-    // No warning: within a tenth, without a force, and for the part after the end of the run.
+    // No warning: within a tenth, and without a force.
     EXPECT_EQ(said("1/64", "0.1", "0.3"), "");
     EXPECT_EQ(said("1/8192", "0.102", "0.108"), "");
     EXPECT_EQ(said("1/64", "0.102", "0.108", "force = [0.0, 0.0, 0.0]\n"), "");
@@ -135,7 +135,11 @@ TEST(Limits, a_force_whose_impulse_changes_in_whole_steps_gives_a_warning) {
     for (const auto* duration : {"2", "3"})
         EXPECT_TRUE(has(warnings_of_compile(late, {"--duration", duration}),
                         "force[0] begins when the last step has been taken, so it has no effect"));
-    EXPECT_EQ(warnings_of_compile(late, {"--duration", "3.25"}), "");
+    for (const auto& [duration, impulse] : {std::pair{"3.25", "0.25"}, std::pair{"3.0625", "0.0625"}})
+        EXPECT_TRUE(has(warnings_of_compile(late, {"--duration", duration}),
+                        std::string("force[0] has not ended when the last step has been taken, so its impulse is ") +
+                            impulse + " N s instead of 0.5 N s"));
+    EXPECT_EQ(warnings_of_compile(late, {"--duration", "3.5"}), "");
 }
 
 TEST(Limits, a_velocity_of_a_fixed_body_gives_a_warning) {
