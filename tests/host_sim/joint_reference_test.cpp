@@ -565,8 +565,9 @@ TEST(JointReference, kernel_converges_to_trees_of_every_kind_of_joint) {
         const struct {
             const char* name;
             int ratio, steps_a_second;
-            double error;
-        } methods[] = {{"verlet", 4, 1024, 1e-3}, {"suzuki4", 16, 256, 1e-4}, {"rk4", 16, 256, 1e-4}};
+            double error, late;  // m; by what share the ratio is not that of the limit yet
+        } methods[] = {
+            {"verlet", 4, 1024, 1e-3, 0.025}, {"suzuki4", 16, 256, 1e-4, 0.125}, {"rk4", 16, 256, 1e-4, 0.125}};
         for (const auto& method : methods) {
             const std::vector<Motion> coarse = run(method.name, method.steps_a_second),
                                       fine = run(method.name, 2 * method.steps_a_second);
@@ -578,7 +579,7 @@ TEST(JointReference, kernel_converges_to_trees_of_every_kind_of_joint) {
                 extrapolated = std::max(extrapolated, norm(better - truth[b].x));
             }
             EXPECT_LT(static_cast<double>(error), method.error) << method.name << seed;
-            EXPECT_NEAR(static_cast<double>(error / finer_error), method.ratio, 0.025 * method.ratio)
+            EXPECT_NEAR(static_cast<double>(error / finer_error), method.ratio, method.late * method.ratio)
                 << method.name << seed;
             EXPECT_LT(static_cast<double>(extrapolated / error), 0.01) << method.name << seed;
         }
