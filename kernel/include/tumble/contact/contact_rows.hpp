@@ -50,7 +50,7 @@ public:
                 if (size > least) least = size;
             });
         velocities_.set_scale(bodies_, shapes_.weights(), island_.group, loads, least,
-                              [&](int b) { return pairs_.pairs_of(b) > 1; });
+                              [&](int b) { return touches_several(b); });
         make_room_for_surfaces();
         return velocities_.set(bodies_, shapes_.weights(), island_.group, loads, part, whole);
     }
@@ -265,6 +265,15 @@ private:
     // How fast the body comes to the surface at a point.
     [[nodiscard]] Speed approach_at(const Pair& pair, const Point& point) const {
         return -point.row[0].excess(velocities_.now[pair.a], nullptr);
+    }
+    // Whether the body has points with several others. Those that are only near push nothing.
+    [[nodiscard]] bool touches_several(int b) const {
+        if (pairs_.pairs_of(b) < 2) return false;
+        int touched = 0;
+        pairs_.for_each(island_, [&](const Pair& pair) {
+            touched += pair.count > 0 && (pair.a == b || (pair.moves_b() && pair.b == b));
+        });
+        return touched > 1;
     }
     [[nodiscard]] bool touches_several() const {
         int touched = 0;

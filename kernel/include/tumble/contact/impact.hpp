@@ -2,7 +2,7 @@
 #pragma once
 
 #include <tumble/contact/contact_log.hpp>
-#include <tumble/contact/contact_rows.hpp>
+#include <tumble/contact/statics.hpp>
 
 namespace tumble {
 
@@ -80,7 +80,7 @@ public:
         if ((bounced && !is_spent()) || stop) [[unlikely]]
             report_cut_off();
         if (!any || (sinks && !is_spent())) {
-            solve(false);
+            solve(false, true);
             log_impulses(is_spent() ? scale_back() : C::one());
         }
         if constexpr (features.impact_bounds)
@@ -144,13 +144,39 @@ private:
         });
     }
     // Solves for the impulses of the active points from the present velocities. Of one pair without friction, plain
-    // sweeps converge best.
-    void solve(bool one_smooth_pair) {
+    // sweeps converge best. `last`: nothing bounces. Then statics may know what too few sweeps do not find.
+    void solve(bool one_smooth_pair, bool last = false) {
         copy(velocities_.round_start(), velocities_.now);
-        (void)rows_.sweep(rows_.from_nothing(velocities_.scale.enough_in_impact()), !one_smooth_pair);
+        const Speed enough = velocities_.scale.enough_in_impact(),
+                    left = rows_.sweep(rows_.from_nothing(enough), !one_smooth_pair);
         // Each impulse is applied once, not in one part per sweep: this rounds less.
         copy(velocities_.now, velocities_.round_start());
+        const bool ended_early = features.pairs && left > enough && !is_spent();
+        if constexpr (features.pairs)
+            if (ended_early && last &&
+                Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_}.solve_impact())
+                return;
         rows_.push_all();
+        if (ended_early) report_far_from_solved();
+    }
+    // Reports a point that the impulses have not brought to its target, where it misses it by more than a part of the
+    // fastest approach. Call where the sweeps ended early.
+    [[gnu::noinline, gnu::cold]] void report_far_from_solved() {
+        Work fastest(0), farthest = Bounds::search_gap(shapes_.scale().metres(shapes_.tolerance()));
+        const Pair* found = nullptr;
+        pairs_.for_each_active(island_, [&](const Pair& pair, const Point& point) {
+            const auto& row = point.row[0];
+            const auto metres = [&](Speed speed) { return rows_.metres_per_step(pair, point, speed); };
+            const Work approach = metres(-rows_.velocity(velocities_.round_start(), pair, point));
+            if (approach > fastest) fastest = approach;
+            Speed miss = row.target - Rows::surface_of(pair, point) - rows_.velocity(velocities_.now, pair, point);
+            if (row.impulse > Speed{}) miss = magnitude_of(miss);
+            if (!(metres(miss) > farthest)) return;
+            farthest = metres(miss);
+            found = &pair;
+        });
+        if (found != nullptr && farthest > Bounds::left_by_impact(fastest))
+            bodies_.report(Issue::step_bound_hit, found->a);
     }
     // One round. False where no point bounces.
     bool bounce() {

@@ -72,6 +72,14 @@ public:
         pairs_.set_balanced(island_, balanced);
         return found;
     }
+    // True where impulses that end the motion of all bodies are found, as of a light body between a heavy one and a
+    // wall, or those that end it but for bodies on which nothing stands. What they start from is `loaded`.
+    [[gnu::noinline, gnu::cold]] bool solve_impact() requires(features.pairs) {
+        if (!find_carrying() || surface_moves_) return false;
+        in_impact_ = true;
+        leave_out_sides(slides_);
+        return finish(balance(true) && (!moves_ || open_points_stay_apart()));
+    }
 
 private:
     static constexpr int bodies = features.bodies;
@@ -113,7 +121,17 @@ private:
         else return false;
     }
     [[nodiscard]] Speed slack_of_statics() const {
+        if constexpr (features.pairs)
+            if (in_impact_) [[unlikely]]
+                return slack_of_impact();
         return is_bounded() ? velocities_.scale.enough_at_rest() : Bounds::slack(velocities_.scale.rounding());
+    }
+    // The faces of a body between two others are tilted against each other by rounding.
+    [[nodiscard, gnu::noinline, gnu::cold]] Speed slack_of_impact() const {
+        Speed motion{};
+        for (int k = 0; k < island_.group.count; ++k)
+            motion = larger_of(motion, velocities_.loaded[island_.group.id[k]].largest());
+        return larger_of(Bounds::left_by_supports(motion), velocities_.scale.enough_at_rest());
     }
     [[nodiscard]] bool must_rest() const {
         if constexpr (may_ask) return only_at_rest_;
@@ -684,6 +702,7 @@ private:
     bool slides_ = false;         // `now` is relative to `common_` of the end
     bool only_at_rest_ = false;
     [[no_unique_address]] If<features.bounded_steps, bool, 7> bounded_{};
+    [[no_unique_address]] If<features.pairs, bool, 8> in_impact_{};
 };
 
 }  // namespace tumble
