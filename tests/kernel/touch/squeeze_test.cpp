@@ -17,11 +17,12 @@ struct Squeezing : Scene {
 
 template <class N>
 class SqueezeTest : public testing::Test {};
-using Systems = Tested<testing::Types<Q32<>>, testing::Types<F32, F64>>;
+// Floats have steps at which rounding keeps statics from an answer.
+using Systems = Tested<testing::Types<Q32<>>, testing::Types<Q32<FieldRange>, Q32<NearRange, false>>>;
 TYPED_TEST_SUITE(SqueezeTest, Systems);
 
 // The heavy box pushes the light one against a wall, all on one line. They end at rest against the wall.
-TYPED_TEST(SqueezeTest, stops_a_heavy_box_at_once_or_tells) {
+TYPED_TEST(SqueezeTest, stops_a_heavy_box_at_once) {
     for (const auto& [mass, rate] : {std::pair{30.0, 128}, {100.0, 60}, {300.0, 128}, {700.0, 240}, {1000.0, 128}})
         for (const bool mirrored : {false, true}) {
             const Real side = mirrored ? Real{-1} : Real{1};
@@ -35,8 +36,6 @@ TYPED_TEST(SqueezeTest, stops_a_heavy_box_at_once_or_tells) {
             (void)world.add(at(box(1, edges), {side * Real{0.21}, 0, 0}));
             const BodyId heavy = world.add(at(box(Real(mass), edges), {side * Real{0.7}, 0, 0}, {-side, 0, 0}));
             for (int step = 0; step < rate; ++step) (void)world.step();
-            // Floats round what the statics ask for. Then a status tells.
-            if (!TypeParam::fixed_point && !world.status().ok()) continue;
             const auto v = world.velocity(heavy), w = world.angular_velocity(heavy);
             for (const double speed : {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z),
                                        static_cast<double>(w.x), static_cast<double>(w.y), static_cast<double>(w.z)})

@@ -175,10 +175,6 @@ struct ContactBounds {
     [[nodiscard]] static Work left_by_collapse(Work fastest) {
         return fastest * N::template constant<Work>(Real::scaled(1, -contact::max_impacts));
     }
-    // What the sweeps of an impact may leave of its fastest approach, m a step, where they end early.
-    [[nodiscard]] static Work left_by_impact(Work fastest) {
-        return fastest * N::template constant<Work>(Real::scaled(1, -10));
-    }
     // What bounded sweeps may leave of the fastest approach of a step: up to 2^-10.4 in a stack of twelve boxes that
     // stands (measured).
     [[nodiscard]] static Speed left_by_sweeps(Speed fastest) {

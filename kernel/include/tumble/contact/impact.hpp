@@ -151,32 +151,11 @@ private:
                     left = rows_.sweep(rows_.from_nothing(enough), !one_smooth_pair);
         // Each impulse is applied once, not in one part per sweep: this rounds less.
         copy(velocities_.now, velocities_.round_start());
-        const bool ended_early = features.pairs && left > enough && !is_spent();
         if constexpr (features.pairs)
-            if (ended_early && last &&
+            if (last && left > enough && !is_spent() &&
                 Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_}.solve_impact())
                 return;
         rows_.push_all();
-        if (ended_early) report_far_from_solved();
-    }
-    // Reports a point that the impulses have not brought to its target, where it misses it by more than a part of the
-    // fastest approach. Call where the sweeps ended early.
-    [[gnu::noinline, gnu::cold]] void report_far_from_solved() {
-        Work fastest(0), farthest = Bounds::search_gap(shapes_.scale().metres(shapes_.tolerance()));
-        const Pair* found = nullptr;
-        pairs_.for_each_active(island_, [&](const Pair& pair, const Point& point) {
-            const auto& row = point.row[0];
-            const auto metres = [&](Speed speed) { return rows_.metres_per_step(pair, point, speed); };
-            const Work approach = metres(-rows_.velocity(velocities_.round_start(), pair, point));
-            if (approach > fastest) fastest = approach;
-            Speed miss = row.target - Rows::surface_of(pair, point) - rows_.velocity(velocities_.now, pair, point);
-            if (row.impulse > Speed{}) miss = magnitude_of(miss);
-            if (!(metres(miss) > farthest)) return;
-            farthest = metres(miss);
-            found = &pair;
-        });
-        if (found != nullptr && farthest > Bounds::left_by_impact(fastest))
-            bodies_.report(Issue::step_bound_hit, found->a);
     }
     // One round. False where no point bounces.
     bool bounce() {

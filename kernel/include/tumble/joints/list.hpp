@@ -56,11 +56,11 @@ struct JointKindList {
         return most;
     }
     // True where a kind of the scene has so many free rotations, and so many free translations.
-    [[nodiscard]] static constexpr bool any_turns(const Features& features, int turns) {
-        return ((features.*Kinds::feature && Kinds::turns == turns) || ...);
+    [[nodiscard]] static constexpr bool any_turns(const Features& features, int so_many) {
+        return ((features.*Kinds::feature && Kinds::turns == so_many) || ...);
     }
-    [[nodiscard]] static constexpr bool any_slides(const Features& features, int slides) {
-        return ((features.*Kinds::feature && Kinds::slides == slides) || ...);
+    [[nodiscard]] static constexpr bool any_slides(const Features& features, int so_many) {
+        return ((features.*Kinds::feature && Kinds::slides == so_many) || ...);
     }
     template <class Spec>
     static constexpr bool has = (std::is_same_v<typename Kinds::Spec, Spec> || ...);
