@@ -72,8 +72,8 @@ void refuse_timed(Table& table, bool live) {
     if (!table.has("kind")) return;
     const auto* const kind = table.at("kind").node().as_string();
     if (kind == nullptr) return;
-    for (int i = 0; i <= static_cast<int>(EventKind::remove_joint); ++i)
-        if (is_timed(static_cast<EventKind>(i)) && kind->get() == name_of(static_cast<EventKind>(i)))
+    for (const auto& [word, of] : words_of_events(true))
+        if (kind->get() == word)
             table.at("kind").fail("got " + in_quotes(kind->get()) + ", which is for programs alone",
                                   live ? "\"force\" or \"torque\", which act until the next one of the body"
                                        : "a table [[force]] with from and until (s)");

@@ -15,6 +15,16 @@ enum class JointKind { hinge, ball, fixed, slider, universal, distance };
 template <class T>
 using Words = std::vector<std::pair<std::string, T>>;
 
+// The events that a scene has, or those that it has tables of forces for: `timed`. It keeps its bodies.
+[[nodiscard]] inline Words<EventKind> words_of_events(bool timed) {
+    Words<EventKind> all;
+    for (int i = 0; i <= static_cast<int>(EventKind::remove_joint); ++i) {
+        const auto kind = static_cast<EventKind>(i);
+        if (kind != EventKind::remove && is_timed(kind) == timed) all.emplace_back(name_of(kind), kind);
+    }
+    return all;
+}
+
 // The words for the values of a type. With underscores, they are the kernel's names.
 template <class T>
 inline const Words<T> words{};
@@ -24,15 +34,7 @@ inline const Words<ContactResponse> words<ContactResponse>{
 template <>
 inline const Words<Frame> words<Frame>{{"world", Frame::world}, {"body", Frame::body}};
 template <>
-inline const Words<EventKind> words<EventKind> = [] {
-    Words<EventKind> all;
-    for (int i = 0; i <= static_cast<int>(EventKind::remove_joint); ++i) {
-        const auto kind = static_cast<EventKind>(i);
-        // A scene keeps its bodies, and its timed forces have tables of their own.
-        if (kind != EventKind::remove && !is_timed(kind)) all.emplace_back(name_of(kind), kind);
-    }
-    return all;
-}();
+inline const Words<EventKind> words<EventKind> = words_of_events(false);
 template <>
 inline const Words<Mixing> words<Mixing>{{"larger", Mixing::larger},
                                          {"smaller", Mixing::smaller},

@@ -59,9 +59,9 @@ public:
 
 private:
     [[gnu::noinline]] static void add_to(Block& sum, const Block& v) { sum = sum + v; }
-    // Of what turns the body or turns with it, N s and N m s in a step, in principal axes but where the world's frame
-    // is named. A force in the world's frame at a point turns the body by the cross products of the axes with its
-    // moments.
+    // The sums of torques, of forces in the body's frame and of forces at a point, N s and N m s in a step. They are in
+    // principal axes, or in the world's frame where that is said. A force in the world's frame at a point turns the
+    // body by the cross products of the axes with its moments.
     struct Turning {
         Block force{};   // at the centre of mass
         Block torque{};  // with that of the forces in the body's frame
