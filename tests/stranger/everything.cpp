@@ -1,5 +1,6 @@
 // Every feature and every method of the number system STRANGER_NUMBERS, instantiated; and what a user may call. Worlds
-// of bodies that rotate and worlds of nothing but point masses; with STRANGER_POINTS the latter alone.
+// of bodies that rotate and worlds of nothing but point masses; with STRANGER_POINTS the latter alone, with
+// STRANGER_METHOD one of the former by this method.
 #include <tumble/tumble.hpp>
 
 namespace {
@@ -8,11 +9,12 @@ namespace {
 #define STRANGER_TEXT(name) STRANGER_TEXT_OF(name)
 using Numbers = tumble::NumbersOf<STRANGER_TEXT(STRANGER_NUMBERS), tumble::RoomRange>;
 inline constexpr tumble::Features everything =
-    tumble::Features{.bodies = 3, .planes = 2, .springs = 2}.with_everything();
+    tumble::Features{.bodies = 3, .planes = 2, .springs = 2, .joints = 2}.with_everything();
 
 inline constexpr tumble::Features points = [] {
     tumble::Features features = everything;
     features.rotation = false;
+    features.joints = 0;
     return features;
 }();
 
@@ -23,6 +25,7 @@ tumble::Status use_bodies() {
     using namespace tumble::literals;
     const auto box = world.add(tumble::box(0.25_kg, {0.2_m, 0.05_m, 0.2_m}));
     if (box) world.apply_impulse(*box, {1, 0, 0}, {0, tumble::Real{0.1}, 0});
+    if (box) (void)world.add(tumble::HingeSpec{.body = *box, .anchor = {1, 0, 0}});
     return world.step();
 }
 #endif
@@ -39,9 +42,13 @@ tumble::Status use_points() {
 
 tumble::Status use_everything() {
     tumble::Status status;
+#ifdef STRANGER_METHOD
+    status = use_bodies<tumble::integrators::STRANGER_METHOD>();
+#else
 #ifndef STRANGER_POINTS
     tumble::Integrators::for_each_in<Numbers>([&]<class Method>() { status = use_bodies<Method>(); });
 #endif
     tumble::Integrators::for_each_in<Numbers>([&]<class Method>() { status = use_points<Method>(); });
+#endif
     return status;
 }

@@ -128,9 +128,8 @@ private:
     struct Factors {
         consteval Factors() {
             for (int i = 0; i < Pieces::count; ++i) {
-                const Real next = Pieces::of(i + 1 < Pieces::count ? i + 1 : 0);
                 per_part[i] = Factor::of(Real{1} / Pieces::of(i));
-                to_next[i] = Factor::of(next / Pieces::of(i));
+                to_next[i] = Factor::of(Pieces::of((i + 1) % Pieces::count) / Pieces::of(i));
                 length[i] = N::template constant<Unit>(Pieces::of(i));
                 goes_back[i] = Pieces::of(i).is_negative();
             }
