@@ -594,9 +594,10 @@ private:
         }
     }
 
-    // Builds the trees anew. The root is the body that hangs on the world or on a fixed body, or else that of the
-    // lowest place; then come its children in the order of their places, and theirs. It takes time as the number of
-    // joints squared.
+    // Builds the trees anew. The root is the body that hangs on the world or on a fixed body. A tree that flies freely
+    // has its heaviest body as root, of equal ones that of the lowest place: beside a light root the solution keeps
+    // fewer bits of it. Then come its children in the order of their places, and theirs. It takes time as the number
+    // of bodies times that of joints, anew for each tree that flies freely.
     TUMBLE_COLD void order(const auto& bodies) {
         Kicks kept_kick[most_nodes]{};
         std::int16_t kept_body[most_nodes]{};
@@ -609,10 +610,9 @@ private:
         for (int t = 0; t < kept_trees; ++t) kept_tree[t] = tree_[t];
         node_count_ = tree_count_ = direction_count_ = 0;
         for (int b = 0; b < features.bodies; ++b) is_jointed_[b] = false;
-        for (const bool grounded : {true, false})
-            for (int b = 0; b < bodies.count; ++b)
-                if (!is_jointed_[b] && !is_base(bodies, b))
-                    if (const int j = root_joint(bodies, b, grounded); j != none) grow(bodies, b, j);
+        for (int b = 0; b < bodies.count; ++b)
+            if (const int j = is_base(bodies, b) ? none : base_joint(bodies, b); j != none) grow(bodies, b, j);
+        for (int b; (b = heaviest_loose(bodies)) != none;) grow(bodies, b, Node::no_joint);
         for (int t = 0; t < tree_count_; ++t) {
             JointTreeState& tree = tree_[t];
             set_constants(bodies, tree);
@@ -641,15 +641,22 @@ private:
         }
     }
     static constexpr int none = -2;
-    // The joint by which a body is a root: one with a base, or with nothing where it has another one. Else `none`.
-    TUMBLE_COLD [[nodiscard]] int root_joint(const auto& bodies, int b, bool grounded) const {
-        for (int j = 0; j < room; ++j) {
-            const int other = other_of(j, b);
-            if (other == none) continue;
-            if (is_base(bodies, other)) return j;
-            if (!grounded) return Node::no_joint;
-        }
+    // The joint of a body with a base, or `none`.
+    TUMBLE_COLD [[nodiscard]] int base_joint(const auto& bodies, int b) const {
+        for (int j = 0; j < room; ++j)
+            if (const int other = other_of(j, b); other != none && is_base(bodies, other)) return j;
         return none;
+    }
+    // Of the bodies that have a joint and are in no tree yet, the heaviest one, at the lowest place; or `none`.
+    TUMBLE_COLD [[nodiscard]] int heaviest_loose(const auto& bodies) const {
+        int heaviest = none;
+        for (int b = 0; b < bodies.count; ++b) {
+            bool is_loose = false;
+            for (int j = 0; j < room; ++j) is_loose = is_loose || other_of(j, b) != none;
+            if (!is_loose || is_jointed_[b] || is_base(bodies, b)) continue;
+            if (heaviest == none || bodies.step_per_mass(b) < bodies.step_per_mass(heaviest)) heaviest = b;
+        }
+        return heaviest;
     }
     // The body at the other side of joint j, if b is at one; else `none`.
     [[nodiscard]] int other_of(int j, int b) const {
