@@ -319,7 +319,7 @@ TEST(Joints, a_live_event_of_an_unknown_joint_is_refused) {
 }
 
 // Their references are finer runs.
-TEST(DeepJoints, a_verdict_names_the_rules_of_joints_that_have_no_equations) {
+TEST(Joints, a_verdict_names_the_rules_of_joints_that_have_no_equations) {
     for (const char* scene : {"rope", "door"})
         EXPECT_EQ(json_of({"run", shipped("joints/" + std::string(scene))}).at("verdict").at("shared_rules"),
                   Json{"joints"});

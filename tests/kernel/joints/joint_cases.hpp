@@ -49,7 +49,7 @@ inline constexpr Features features_of = shared;
 // The kinds of worlds of these cases; `More` those of the deep set besides.
 template <class... More>
 using JointKinds = Tested<testing::Types<Kind<Q32<>, integrators::Verlet>, Kind<F64, integrators::Verlet>>,
-                          testing::Types<Kind<F32, integrators::Verlet>, More...>>;
+                          testing::Types<Kind<F32, integrators::Verlet>, Kind<F64, integrators::Suzuki4>, More...>>;
 
 template <class W, Features features>
 class JointCases : public testing::Test {
@@ -57,6 +57,7 @@ protected:
     using N = typename W::Numbers;
     using World = tumble::World<SceneOf<N, typename W::Integrator, joint_cases::features_of<features>>>;
     static constexpr bool is_single = !N::fixed_point && sizeof(typename N::Unit) == 4;
+    static constexpr int order = W::Integrator::order;
 
     [[nodiscard]] static World falling(Seconds step = {1, 256}) {
         return World{step, {.gravity = {0, -joint_cases::g, 0}}};

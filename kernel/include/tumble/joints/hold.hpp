@@ -109,7 +109,7 @@ private:
     // Of joints with a range: whether the end has changed in the part.
     [[no_unique_address]] If<features.has_joint_ranges(), bool[Forest::most_nodes], 24> is_changed_;
     [[no_unique_address]] If<has_pieces, Start, 26> part_;  // where the part begins
-    [[no_unique_address]] If<has_pieces, int, 27> piece_;
+    [[no_unique_address]] If<has_pieces, int, 27> piece_{};
 
     [[nodiscard]] int piece() const {
         if constexpr (has_pieces) return piece_;
