@@ -152,7 +152,7 @@ private:
         // Each impulse is applied once, not in one part per sweep: this rounds less.
         copy(velocities_.now, velocities_.round_start());
         if constexpr (features.pairs)
-            if (last && left > enough && !is_spent() &&
+            if (last && island_.group.count > 1 && left > enough && !is_spent() &&
                 Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_}.solve_impact())
                 return;
         rows_.push_all();

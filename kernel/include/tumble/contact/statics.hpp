@@ -308,7 +308,9 @@ private:
                     left.note(b, i, -1);
                 }
                 Supports supports;
-                if (!found || b < 0 || left.count[b] < 2 || !take_supports(left, b, supports)) continue;
+                // A lone body is solved as where there are no pairs, which is on one surface.
+                if (!found || b < 0 || left.count[b] < 2 || group.count == 1 || !take_supports(left, b, supports))
+                    continue;
                 found = carry(supports, b);
                 ++solved;
             }
