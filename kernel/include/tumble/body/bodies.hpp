@@ -194,6 +194,7 @@ struct BodyConstants {
 
     // Nothing pushes it.
     [[nodiscard]] TUMBLE_INLINE constexpr bool fixed() const { return motion != MotionType::dynamic; }
+    // Moves by itself.
     [[nodiscard]] TUMBLE_INLINE constexpr bool kinematic() const { return motion == MotionType::kinematic; }
     // Change of drift, m, by 1 N s.
     [[nodiscard]] TUMBLE_INLINE constexpr typename N::Work drift_per_impulse() const { return mass_units[0]; }
@@ -211,6 +212,7 @@ struct BodyConstants<N, Spin::none, false> {
 
     // Nothing pushes it.
     [[nodiscard]] TUMBLE_INLINE constexpr bool fixed() const { return motion != MotionType::dynamic; }
+    // Moves by itself.
     [[nodiscard]] TUMBLE_INLINE constexpr bool kinematic() const { return motion == MotionType::kinematic; }
     // Change of drift, m, by 1 N s.
     [[nodiscard]] TUMBLE_INLINE constexpr typename N::Work drift_per_impulse() const { return mass_units[0]; }

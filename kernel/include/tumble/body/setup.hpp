@@ -28,7 +28,7 @@ struct Field {
     // Numbers in a range; the id of a body; and any number that steps or events change, which a snapshot holds.
     enum Kind : std::uint8_t { any, positive, not_negative, zero_to_one, body, state };
 
-    const char* name;
+    const char* name;       // of the member
     const char* unit = "";  // SI; empty: none
     Kind kind = any;        // of a value that is given, where the default is none
 };

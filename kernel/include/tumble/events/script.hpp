@@ -103,8 +103,9 @@ public:
         next_ = 0;
         while (next_ < events_.count && static_cast<std::uint64_t>(events_.first[next_].step) < now) ++next_;
     }
-    // True if an event has been skipped or applied. Below: calls f(event) for each of these, in the order of the array.
+    // True if an event has been skipped or applied.
     [[nodiscard]] constexpr bool has_passed() const { return next_ > 0; }
+    // Calls f(event) for each event that has been skipped or applied, in the order of the array.
     template <class F>
     void for_each_passed(F&& f) const {
         for (int i = 0; i < next_; ++i) f(events_.first[i]);

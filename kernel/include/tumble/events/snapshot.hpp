@@ -371,7 +371,7 @@ public:
         add(q.v);
     }
     constexpr void add(const Shape& shape) {
-        add(shape.kind);
+        add(static_cast<int>(shape.kind));
         add(shape.size);
     }
     constexpr void add(const InertiaTensor& i) {
