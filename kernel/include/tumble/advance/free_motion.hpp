@@ -159,13 +159,16 @@ public:
     };
     TUMBLE_INLINE void shorten_parts_about_z([[maybe_unused]] int b) {
         if constexpr (has_z_room && Bodies::has_parts)
-            while (!N::has_room(bodies.state[b].t_b.z, inertia_[b].z_room()) && bodies.halve_parts(b))
-                [[unlikely]] spin_changed(b);
+            while (!has_room_about_z(b) && bodies.halve_parts(b)) [[unlikely]] spin_changed(b);
     }
     TUMBLE_INLINE void check_spin_about_z([[maybe_unused]] int b) {
         if constexpr (has_z_room)
-            if (!N::has_room(bodies.state[b].t_b.z, inertia_[b].z_room())) [[unlikely]]
+            if (!has_room_about_z(b)) [[unlikely]]
                 hold_spin_about_z(b);
+    }
+    [[nodiscard]] TUMBLE_INLINE bool has_room_about_z([[maybe_unused]] int b) const {
+        if constexpr (has_z_room) return N::has_room(bodies.state[b].t_b.z, inertia_[b].z_room());
+        else return true;
     }
     [[gnu::noinline, gnu::cold]] void hold_spin_about_z(int b) requires has_z_room {
         if constexpr (Bodies::has_parts)

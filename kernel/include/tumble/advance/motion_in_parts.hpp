@@ -12,9 +12,10 @@ class MotionInParts : public LoadedMotion<S> {
     using Base = LoadedMotion<S>;
 
 public:
-    using Base::add_wrenches, Base::check_range, Base::check_spin_about_z, Base::forget_kicks, Base::is_coupled,
-        Base::is_dragged_alone, Base::is_driven, Base::is_loaded, Base::one, Base::over, Base::rotate_flight,
-        Base::settle, Base::shorten_parts_about_z, Base::spin_changed, Base::spins_changed, Base::whole_fall;
+    using Base::add_wrenches, Base::check_range, Base::check_spin_about_z, Base::forget_kicks, Base::has_room_about_z,
+        Base::is_coupled, Base::is_dragged_alone, Base::is_driven, Base::is_loaded, Base::one, Base::over,
+        Base::rotate_flight, Base::settle, Base::shorten_parts_about_z, Base::spin_changed, Base::spins_changed,
+        Base::whole_fall;
     constexpr MotionInParts(Seconds step, const WorldSpec& spec) : Base{step, spec} {}
     using Base::features, Base::has_loads, Base::rotation, Base::has_wrenches, Base::spin, Base::bodies, Base::loads,
         Base::places_, Base::gravity_;
@@ -107,7 +108,10 @@ private:
     TUMBLE_INLINE bool moved_in_parts([[maybe_unused]] const BodyGroup& group, [[maybe_unused]] const StepInfo<N>& info,
                                       [[maybe_unused]] Work length) {
         if constexpr (has_loads && Bodies::has_parts) {
-            for (int k = 0; k < group.count; ++k) shorten_parts_about_z(group.id[k]);
+            // A spin that no load changes gets its parts where it turns, as in a world without loads.
+            for (int k = 0; k < group.count; ++k)
+                if (const int b = group.id[k]; !has_room_about_z(b) && is_loaded(b)) [[unlikely]]
+                    shorten_parts_about_z(b);
             if (const int halvings = halvings_under_loads(group, length == Work(1)); halvings > 0) [[unlikely]] {
                 portion_in_parts(group, info, length, halvings);
                 return true;
