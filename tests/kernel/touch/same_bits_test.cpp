@@ -3,8 +3,7 @@
 #include <tumble/tumble.hpp>
 
 #include "kinds.hpp"
-
-#include <random>
+#include "random.hpp"
 
 namespace tumble::test::same_bits {
 namespace {
@@ -22,12 +21,6 @@ inline constexpr Features with_springs = [] {
     return features;
 }();
 
-template <class N, Features what>
-struct Falling : Scene {
-    using Numbers = N;
-    static constexpr Features features = what;
-};
-
 template <class N>
 class SameBits : public testing::Test {
 protected:
@@ -41,7 +34,7 @@ protected:
         // Of the world after 192 steps.
         template <Features what>
         [[nodiscard]] std::uint64_t hash(bool with_other) const {
-            World<Falling<N, what>> world{step, spec};
+            World<SceneOf<N, integrators::Verlet, what>> world{step, spec};
             EXPECT_TRUE(world.add(PlaneSpec{.normal = up}));
             EXPECT_TRUE(world.add(PlaneSpec{.normal = {-0.6, 0.8, 0}, .offset = -1.5}));
             (void)world.add(body);
@@ -53,10 +46,8 @@ protected:
     // `spin`: rad/s at most.
     template <class F>
     static void for_each_drop(int drops, double spin, F&& f) {
-        std::mt19937 draw{1};
-        const auto uniform = [&](double least, double most) {
-            return least + (most - least) * (static_cast<double>(draw()) / static_cast<double>(draw.max()));
-        };
+        Random random{1};
+        const auto uniform = [&](double least, double most) { return random.uniform(least, most); };
         for (int i = 0; i < drops; ++i) {
             Drop drop;
             if (i % 5 == 0) drop.step = {1, 60};
@@ -64,8 +55,7 @@ protected:
             drop.spec.contact.restitution = i % 3 == 0 ? 0 : uniform(0, 0.7);
             drop.spec.contact.friction = i % 4 == 0 ? 0 : uniform(0, 1);
             const RealQuat lean = rotation_about({uniform(-1, 1), 0, 1}, i % 5 == 0 ? 0 : uniform(0, 0.3));
-            const Real two = 2, &w = lean.w, &x = lean.v.x, &y = lean.v.y, &z = lean.v.z;
-            drop.up = {two * (x * y - w * z), Real{1} - two * (x * x + z * z), two * (y * z + w * x)};
+            drop.up = detail::rotated_back({lean.w, -lean.v}, {0, 1, 0});
             const double a = uniform(0.1, 0.6), b = uniform(0.1, 0.6), c = uniform(0.1, 0.6);
             BodySpec& body = drop.body;
             body = i % 7 == 0 ? cylinder(uniform(0.1, 10), a / 2, b) : box(uniform(0.1, 10), {a, b, c});
