@@ -875,6 +875,34 @@ TYPED_TEST(Joints, a_changed_mechanism_moves_as_one_that_is_set_up_anew) {
             }
 }
 
+// A mechanism 4^k times as small moves 2^k times as fast. Its hinges are at the ends of the links and near their
+// middles.
+TYPED_TEST(Joints, small_mechanisms_move_as_large_ones) {
+    using Mechanism = typename TestFixture::Mechanism;
+    const double bar = this->is_single ? 3e-4 : this->in_fixed_point ? 2e-6 : 1e-10;
+    for (const double arm : {0.5, 0.02, 0.0}) {
+        const auto moved = [&](int k) {
+            const double size = std::ldexp(1.0, -2 * k);
+            Mechanism m{{1, 256 << k}};
+            for (int i = 0; i < 3; ++i) {
+                (void)m.add(placed(box(0.1, {size, size / 4, size / 5}), {size * (arm + i), 0, 0}));
+                const RealVec3 anchor{size * i, 0, 0};
+                if (i == 1) (void)m.join(BallSpec{.body = i, .to_body = i - 1, .anchor = anchor});
+                else (void)m.join(HingeSpec{.body = i, .to_body = i - 1, .anchor = anchor});
+            }
+            EXPECT_LT(TestFixture::largest_gap(m, 100), 2 * this->closed) << k;
+            m.run(100);
+            return std::array{m.position(0) * (1 / size), m.position(1) * (1 / size), m.position(2) * (1 / size)};
+        };
+        const auto large = moved(0);
+        for (const int k : {1, 2, 3, 4}) {
+            const auto small = moved(k);
+            for (const std::size_t i : {0u, 1u, 2u})
+                EXPECT_LT(length(small[i] - large[i]), bar) << arm << " " << k << " " << i;
+        }
+    }
+}
+
 // Arms are within what fixed point holds of them.
 TEST(JointArms, are_at_most_4096_m_in_fixed_point) {
     World<SceneOf<Q32<FieldRange>, integrators::Verlet, Features{.bodies = 2, .joints = 2}>> world{Seconds{1, 256}};
