@@ -68,15 +68,47 @@ TYPED_TEST(Limits, a_hinge_between_its_limits_is_free) {
 }
 
 TYPED_TEST(Limits, a_blow_away_from_the_limit_is_not_held) {
-    auto world = this->pendulum(0, {-0.1, 2});
+    auto world = this->pendulum(0.5, {-0.1, 2});
     world.set_angular_velocity(BodyId{0}, {0, 0, -4});
-    while (this->joint(world).at_limit == 0) this->run(world, 1);
+    for (int i = 0; i < 64 && this->joint(world).at_limit == 0; ++i) this->run(world, 1);
     EXPECT_EQ(this->joint(world).at_limit, -1);
     EXPECT_NEAR(this->joint(world).angle, -0.1, this->close);
     world.apply_angular_impulse(BodyId{0}, {0, 0, 3 * (1.01 / 12 + 0.25)}, Frame::body);  // the whole rod about its end
     this->run(world, 8);
     EXPECT_EQ(this->joint(world).at_limit, 0);
     EXPECT_GT(this->joint(world).speed, 2.5);
+}
+
+// Within its range it stays there, beyond it comes to the end on its side: at any angle, from an end too, and where
+// either body is the root of the tree.
+TYPED_TEST(Limits, a_hinge_that_is_posed_beyond_a_limit_comes_to_it) {
+    using Limits = std::array<double, 2>;
+    for (const auto& [least, most] : {Limits{-0.5, 1}, Limits{-2.5, 1}, Limits{-1, 0.5}, Limits{-0.5, 2.5}})
+        for (const double other : {0.0, 0.3, 3.0})  // kg; 0: the world
+            for (const bool was_held : {false, true})
+                for (const double angle : {0.2, -0.3, 1.2, 1.5, 2.0, 2.8, 3.1, -0.7, -1.5, -2.8}) {
+                    auto world = this->floating();
+                    const auto rod = [](double mass, double a) {
+                        BodySpec body = at(box(mass, {0.1, 1, 0.1}), {std::sin(a) / 2, -std::cos(a) / 2, 0});
+                        body.orientation = rotation_about({0, 0, 1}, a);
+                        return body;
+                    };
+                    (void)world.add(rod(1, 0));
+                    if (other > 0) (void)world.add(rod(other, 3));
+                    (void)world.add(HingeSpec{.body = 0, .to_body = other > 0 ? 1 : -1, .limits = {least, most}});
+                    world.set_angular_velocity(BodyId{0}, {0, 0, was_held ? 8 : 0});
+                    for (int i = 0; was_held && i < 200 && this->joint(world).at_limit == 0; ++i) this->run(world, 1);
+                    for (int b = 0; b < (other > 0 ? 2 : 1); ++b) {
+                        const BodySpec posed = b == 0 ? rod(1, angle) : rod(other, 3);
+                        world.set_pose(BodyId{b}, posed.position, posed.orientation);
+                        world.set_velocity(BodyId{b}, {});
+                        world.set_angular_velocity(BodyId{b}, {});
+                    }
+                    this->run(world, 1);
+                    EXPECT_NEAR(this->joint(world).angle, std::clamp(angle, least, most), 20 * this->close)
+                        << least << " " << most << " " << other << " " << was_held << " " << angle;
+                    EXPECT_TRUE(world.status().ok());
+                }
 }
 
 // It falls by 1 m along its axis.

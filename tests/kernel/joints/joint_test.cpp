@@ -903,6 +903,27 @@ TYPED_TEST(Joints, small_mechanisms_move_as_large_ones) {
     }
 }
 
+// Its gaps are those of a closed one.
+TYPED_TEST(Joints, a_body_that_is_posed_turned_over_is_told) {
+    const auto status_of = [](const auto& spec, const RealQuat& orientation) {
+        typename TestFixture::Mechanism m{{1, 256}, {}};
+        (void)m.add(box(1, {0.2, 1, 0.3}));
+        (void)m.join(spec);
+        m.run(1);
+        m.world.set_pose(m.bodies[0], {}, orientation);
+        m.run(2);
+        return m.world.status();
+    };
+    for (const RealQuat& over : {RealQuat{0, {1, 0, 0}}, RealQuat{0, {0, 1, 0}}}) {
+        EXPECT_TRUE(status_of(HingeSpec{}, over).has(Issue::joint_open));
+        EXPECT_TRUE(status_of(SliderSpec{}, over).has(Issue::joint_open));
+        EXPECT_TRUE(status_of(FixedSpec{}, over).has(Issue::joint_open));
+        EXPECT_TRUE(status_of(BallSpec{}, over).ok());
+    }
+    EXPECT_TRUE(status_of(FixedSpec{}, {0, {0, 0, 1}}).has(Issue::joint_open));
+    EXPECT_TRUE(status_of(HingeSpec{}, {0, {0, 0, 1}}).ok());
+}
+
 // Arms are within what fixed point holds of them.
 TEST(JointArms, are_at_most_4096_m_in_fixed_point) {
     World<SceneOf<Q32<FieldRange>, integrators::Verlet, Features{.bodies = 2, .joints = 2}>> world{Seconds{1, 256}};

@@ -285,7 +285,7 @@ public:
 
     // Sets the powers of two of lengths from the root's on. They hold the distance of every part of the subtree from
     // the anchor: own_reach, the arm and the radius of gyration, and span, the link to a child, and its reach. In units
-    // of 2^-16 m. They are at least that of an arm, so that what is over an arm's goes down to them.
+    // of 2^-16 m.
     //
     // What is open at the speed v costs no more energy than the whole tree at v, with the mass M. So a part of the mass
     // m and the radius of gyration k moves by at most v sqrt(M / m), and spins with at most v sqrt(M / m) / k. Spins
@@ -295,9 +295,8 @@ public:
             for (int i = tree.first; i < tree.last; ++i) node_[i].reach = node_[i].own_reach;
             for (int i = tree.last - 1; i >= tree.first; --i) {
                 Node& node = node_[i];
-                const int log2 =
-                    static_cast<int>(std::bit_width(static_cast<std::uint32_t>(node.reach) - 1u)) - reach_bits;
-                node.length_log2 = static_cast<std::int8_t>(log2 > J::least_log2 ? log2 : J::least_log2);
+                node.length_log2 = static_cast<std::int8_t>(
+                    static_cast<int>(std::bit_width(static_cast<std::uint32_t>(node.reach) - 1u)) - reach_bits);
                 if (node.parent < 0) continue;
                 const std::int32_t sum = node.span + node.reach;
                 if (sum > node_[node.parent].reach) node_[node.parent].reach = sum < most_reach ? sum : most_reach;

@@ -429,23 +429,31 @@ private:
         fly(halvings_, piece());
         each([&](JointTreeState& tree) { report(close(tree) ? Issue::step_bound_hit : Issue::joint_open, tree); });
     }
-    // Moves the bodies until the gaps are closed, without momentum. False where they are not in most_projections.
+    // Moves the bodies until the gaps are closed, without momentum. False where they are not in most_projections, or
+    // where a side of a joint is turned over.
     [[gnu::noinline, gnu::cold]] bool close(JointTreeState& tree) {
+        if constexpr (features.has_joint_ranges()) set_ends(tree, [](const Node&, int) { return 0; });
         for (int projections = 0;; ++projections) {
             measures_.place(tree, bodies_);
-            if constexpr (features.has_joint_ranges())
-                for (int i = tree.first; i < tree.last; ++i) {
-                    Node& node = forest_.nodes()[i];
-                    if (!forest_.has_range(node) || forest_.range(node).is_rod) continue;
-                    const int beyond = measures_.end_beyond(node, i, bodies_);
-                    if (projections == 0 || beyond != 0) forest_.set_end(node, beyond);
-                }
+            if constexpr (features.has_joint_ranges()) {
+                set_ends(tree, [&](const Node& node, int i) {
+                    const int end = forest_.range(node).end;
+                    return end != 0 ? end : measures_.end_beyond(node, i, bodies_, projections == 0);
+                });
+                measures_.place(tree, bodies_);
+            }
             measures_.factor(tree);  // first: gaps are measured in its lengths
-            if (measures_.gaps(tree, bodies_)) return true;
+            if (measures_.gaps(tree, bodies_)) return !measures_.is_turned_over(tree);
             if (projections == most_projections) return false;
             solve(tree);
             each_node(tree, [&](const Node& node, int i) { move(node, i); });
         }
+    }
+    // Of joints with a range but for rods, as end(node, i) says.
+    void set_ends(const JointTreeState& tree, auto&& end) requires(features.has_joint_ranges()) {
+        each_node(tree, [&](Node& node, int i) {
+            if (forest_.has_range(node) && !forest_.range(node).is_rod) forest_.set_end(node, end(node, i));
+        });
     }
     // Moves a body by the solution in place of its velocity.
     [[gnu::noinline, gnu::cold]] void move(const Node& node, int i) {

@@ -213,9 +213,10 @@ public:
             if (range.end * Forest::sign(node) > 0 ? out > Unit{} : out < Unit{}) f(node, i);
         }
     }
-    // The end of its range beyond which a joint that is free of both is at `end`; 0 where it is within.
-    [[nodiscard, gnu::noinline]] int end_beyond(const Node& node, int i, const auto& bodies) const
-        requires(features.has_joint_ranges()) {
+    // The end of its range beyond which a joint that is free of both is at `end`; 0 where it is within. A step turns it
+    // by less than half a radian, `is_posed`: something else by any angle.
+    [[nodiscard, gnu::noinline]] int end_beyond(const Node& node, int i, const auto& bodies,
+                                                bool is_posed = false) const requires(features.has_joint_ranges()) {
         const auto& range = forest_.range(node);
         const Place& at = end[i];
         const bool turns = JointKinds::turns[forest_.record(node.joint).kind] == 1;
@@ -229,7 +230,10 @@ public:
             if (turns) {
                 // The sine of the angle from the end, which is small where its cosine is near 1.
                 const Vector own{at.own_axis[1]}, from = at_end(range, e, node, at);
-                if (narrow<Unit>(dot(from, own)) < N::template constant<Unit>(0.857)) continue;
+                if (narrow<Unit>(dot(from, own)) < N::template constant<Unit>(0.857)) {
+                    if (is_posed && is_far_beyond(range, e, node, at)) return e;
+                    continue;
+                }
                 beyond = J::lean(narrow<Unit>(dot(Vector{at.own_axis[0]}, cross<Unit>(from, own))), node.length_log2,
                                  J::gap_bits, fits);
             } else {
@@ -240,6 +244,16 @@ public:
             if (e * sign > 0 ? beyond > enough : beyond < -enough) return e;
         }
         return 0;
+    }
+    // True of bodies at `end` of which one is turned by half a turn against the other: no gap shows that.
+    [[nodiscard, gnu::noinline, gnu::cold]] bool is_turned_over(const JointTreeState& tree) const {
+        for (int i = tree.first; i < tree.last; ++i) {
+            const Node& node = forest_.nodes()[i];
+            const Place& at = end[i];
+            for (int k = 0; node.joint != Node::no_joint && k < 2 - node.turns; ++k)
+                if (narrow<Unit>(dot(Vector{at.own_axis[k]}, Vector{at.other_axis[k]})) < Unit{}) return true;
+        }
+        return false;
     }
     // After a blow: at least `wanted`, and as many as the turns ask for that it leaves. The forces are those of before.
     [[nodiscard, gnu::noinline, gnu::cold]] int halvings_of_turns(const JointTreeState& tree, const auto& bodies,
@@ -290,9 +304,9 @@ private:
         at.arm_log2 = J::least_log2;
         for (int k = 0; k < 2; ++k) at.other_axis[k] = world.axis[k];
     }
-    // The arm of the body, over the length of its node.
+    // The arm of the body, over the length of its node, which is the shorter one in small mechanisms.
     [[nodiscard]] TUMBLE_INLINE static Vector lever(const Node& node, const Place& at) {
-        return down(at.own_arm, node.length_log2 - at.own_log2);
+        return over(at.own_arm, node.length_log2 - at.own_log2);
     }
     void set_directions(const Node& node, const Place& at) {
         FreeDirection<N>* const direction = forest_.directions() + node.direction;
@@ -355,6 +369,9 @@ private:
         if (const Unit square = narrow<Unit>(dot(half, half)); square > Unit{}) {
             const auto root = J::inverse_root(square);
             for (int k = 0; k < 3; ++k) along_line[k] = root(half[k]);
+            // The root is good to 2^-28, of which a long line would not close: one more step of Newton's.
+            if constexpr (N::fixed_point)
+                along_line -= along(along_line, J::down(narrow<Unit>(dot(along_line, along_line)) - one, 1));
         }
         int least = 0;
         for (int k = 1; k < 3; ++k)
@@ -405,6 +422,15 @@ private:
         const Unit sine = range.sine[e > 0 ? 1 : 0];
         return along(from, range.cosine[e > 0 ? 1 : 0]) +
                along(cross<Unit>(axis, from), Forest::sign(node) > 0 ? sine : Unit(-sine));
+    }
+    // Of a hinge more than half a radian from an end: its angle has the sign of the end, and a smaller cosine.
+    [[nodiscard, gnu::noinline, gnu::cold]] static bool
+    is_far_beyond(const JointRange<N>& range, int e, const Node& node,
+                  const Place& at) requires(features.has_joint_ranges()) {
+        const Vector own{at.own_axis[1]}, from{at.other_axis[1]};
+        const Unit sine = narrow<Unit>(dot(Vector{at.own_axis[0]}, cross<Unit>(from, own)));
+        if (e * Forest::sign(node) > 0 ? sine < Unit{} : sine > Unit{}) return false;
+        return narrow<Unit>(dot(from, own)) < range.cosine[e > 0 ? 1 : 0];
     }
     // Lets the arm of the other side go on. Each component of both is at most 1: their sum is a Unit over four times
     // the larger.
