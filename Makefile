@@ -9,6 +9,8 @@ CORES := $(shell awk '/^[^\#]/ { print $$1 }' port/boards.txt)
 TESTED_CORES := $(shell awk -v targets="$(TARGETS)" '/^[^\#]/ && ($$10 == "quick" || targets ~ $$10) { print $$1 }' port/boards.txt)
 DEEP_CORES := $(shell awk '/^[^\#]/ && $$10 == "deep" { print $$1 }' port/boards.txt)
 JOBS  := $(shell nproc)
+# With --keep-going a build goes on where a file does not compile.
+KEEP_GOING := $(if $(findstring k,$(firstword -$(MAKEFLAGS))),-- -k 0)
 SCENE ?= host_sim/scenes/cube.toml
 CORE  ?= cortex-m3
 TOLERANCE ?= 1e-3
@@ -17,7 +19,7 @@ ARGS  ?=
 PROGRAM ?= q32-Verlet
 PAGES := $(wildcard *.md */*.md host_sim/*/*.md)
 
-.PHONY: header api arduino page page-pictures run test bench pictures firmware replay advise flame board sizes check format tables golden build setup clean help explore mutants tolerances sanitize deep-setup say-run host-tests
+.PHONY: header api arduino page page-pictures run test bench pictures firmware replay advise flame board sizes check format tables golden build setup clean help explore mutants tolerances sanitize deep-setup say-run host-tests deep-tests tables-are-true
 .DEFAULT_GOAL := help
 
 ## help: this list
@@ -47,14 +49,14 @@ build: build/host/build.ninja
 	@cmake --build build/host --target programs
 
 host-tests: build/host/build.ninja
-	@cmake --build build/host --target $(TARGETS)
+	@cmake --build build/host --target $(TARGETS) $(KEEP_GOING)
 
 ## firmware: the firmware of the tests, for the cores of the quick set; TARGETS="all deep": of the deep set, for every core
 firmware: $(TESTED_CORES:%=firmware-%)
 
 .PHONY: $(CORES:%=firmware-%) $(CORES:%=configured-%)
 $(CORES:%=firmware-%): firmware-%: host-tests configured-%
-	@cmake --build build/$* --target $(TARGETS)
+	@cmake --build build/$* --target $(TARGETS) $(KEEP_GOING)
 $(DEEP_CORES:%=configured-%): deep-setup
 $(CORES:%=configured-%): configured-%:
 	@grep -qs '=$(CURDIR)/port/toolchain.cmake$$' build/$*/CMakeCache.txt || { rm -rf build/$*/CMakeCache.txt build/$*/CMakeFiles; \
@@ -135,16 +137,18 @@ golden: build/host/build.ninja
 	tests/conformance/update_golden
 
 ## check: format, the deep set of tests (an hour or more), the sanitizers, comments of the public interface, and the pages' tables
-check: TARGETS := all deep
+# All of it, also where a part fails.
 check: setup
 	port/setup format
 	port/setup engines
 	cmake --preset host -DTUMBLE_BENCH_HOST=ON > /dev/null
-	$(MAKE) firmware TARGETS="$(TARGETS)"
+	@failed=; for part in firmware deep-tests sanitize tables-are-true api; do \
+	    $(MAKE) --keep-going TARGETS="all deep" $$part || failed="$$failed $$part"; \
+	done; test -z "$$failed" || { echo "make check: failed in$$failed"; exit 1; }
+deep-tests:
 	ctest --test-dir build/host --output-on-failure --no-tests=error -j $(JOBS) -LE quick
-	$(MAKE) sanitize
+tables-are-true:
 	build/host/bench/tumble_tables --check bench/results $(PAGES)
-	$(MAKE) api
 
 ## explore: random scenes of a new seed, or SEED=, each against double precision; scenes that end wrong are written to build/explore; SCENES=40000
 SEED ?=
