@@ -1,7 +1,9 @@
 // Rods and ropes: DistanceSpec. The oracles are closed forms of pendulums, of free flight and of impacts, and what is
 // conserved.
 #include "joint_cases.hpp"
+#include "random.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -245,6 +247,74 @@ TYPED_TEST(Distances, rods_and_hinges_stay_closed_together) {
     EXPECT_NEAR(this->energy(world), start, 0.02 * g);
     EXPECT_TRUE(world.contains(ball));
     EXPECT_TRUE(world.status().ok());
+}
+
+// A tree of up to six bodies of about this size (m), of all kinds of joints, in steps of 1/256 of the time in which it
+// falls by its size and a half or less.
+template <class World>
+[[nodiscard]] World random_mechanism(Random random, double size, int rate) {
+    World world{{1, rate}, {.gravity = {random.uniform(-g, g), -g, 0}}};
+    const auto vector = [&](double reach) {
+        const auto component = [&] { return Real{random.uniform(-reach, reach)}; };
+        const Real x = component(), y = component();
+        return RealVec3{x, y, component()};
+    };
+    std::array<RealVec3, 6> places;
+    const int count = random.between(1, 6);
+    for (int i = 0; i < count; ++i) {
+        const int other = random.between(-1, i - 1);
+        const RealVec3 from = other < 0 ? RealVec3{} : places[static_cast<std::size_t>(other)];
+        const RealVec3 place = places[static_cast<std::size_t>(i)] = from + vector(size);
+        const RealVec3 more_edges = vector(0.4 * size), mean_edges = RealVec3{1, 1, 1} * Real{0.6 * size};
+        BodySpec body = at(box(random.uniform(0.1, 1), mean_edges + more_edges), place);
+        body.orientation = {random.uniform(0.5, 2), vector(1)};
+        (void)world.add(body);
+        const RealVec3 anchor = place + vector((random.between(0, 2) == 0 ? 0.02 : 0.6) * size);
+        const RealVec3 axis = RealVec3{0, 0, 1.5} + vector(1), to = from + vector(0.3 * size), line = anchor - to;
+        const Real length = sqrt(dot(line, line));
+        const auto join = [&](auto spec) {
+            spec.body = i;
+            spec.to_body = other;
+            if constexpr (requires { spec.anchor; }) spec.anchor = anchor;
+            if constexpr (requires { spec.axis; }) spec.axis = axis;
+            (void)world.add(spec);
+        };
+        switch (random.between(0, 5)) {
+        case 0: join(HingeSpec{}); break;
+        case 1: join(BallSpec{}); break;
+        case 2: join(FixedSpec{}); break;
+        case 3: join(SliderSpec{}); break;
+        case 4: join(UniversalSpec{.to_axis = {axis.y, -axis.x, 0}}); break;
+        default: join(DistanceSpec{.point = anchor, .to_point = to, .least = length, .most = length});
+        }
+    }
+    return world;
+}
+
+TYPED_TEST(Distances, random_mechanisms_of_every_size_move_as_in_double) {
+    using Double = tumble::World<SceneOf<F64, typename TypeParam::Integrator, joint_cases::features_of<tied>>>;
+    Random random{1};
+    for (int seed = 0; seed < 200; ++seed) {
+        const double size = 0.02 * std::exp2(random.uniform(0, 7));
+        int rate = 256;
+        while (rate * std::sqrt(size) < 256) rate *= 2;
+        const Random drawn{random.bits()};
+        auto world = random_mechanism<typename TestFixture::World>(drawn, size, rate);
+        auto in_double = random_mechanism<Double>(drawn, size, rate);
+        double largest = 0;
+        for (int step = 0; step < 0.35 * std::sqrt(size) * rate; ++step) {
+            (void)world.step();
+            (void)in_double.step();
+            for (int b = 0; b < world.body_count(); ++b) {
+                const auto moved = world.position(BodyId{b}), wanted = in_double.position(BodyId{b});
+                for (int k = 0; k < 3; ++k)
+                    largest =
+                        std::max(largest, std::abs(static_cast<double>(moved[k]) - static_cast<double>(wanted[k])));
+            }
+        }
+        EXPECT_LT(largest, 1e-5 * size) << seed << " " << size;
+        EXPECT_TRUE(world.status().ok());
+    }
 }
 
 TYPED_TEST(Distances, a_distance_that_cannot_be_kept_is_refused) {
