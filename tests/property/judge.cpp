@@ -111,7 +111,8 @@ bool is_isolated(const SceneDescription& scene) {
     return scene.impulses.empty() && scene.forces.empty() && scene.planes.empty() && scene.gravity == Triple{} &&
            scene.linear_drag == 0 && !scene.contact.sleep &&
            std::none_of(scene.bodies.begin(), scene.bodies.end(), [](const auto& b) { return b.fixed; }) &&
-           std::all_of(scene.springs.begin(), scene.springs.end(), [](const auto& s) { return s.to_body >= 0; });
+           std::all_of(scene.springs.begin(), scene.springs.end(), [](const auto& s) { return s.to_body >= 0; }) &&
+           std::all_of(scene.joints.begin(), scene.joints.end(), [](const auto& j) { return j.to_body >= 0; });
 }
 
 // How deep the lowest point of a sphere or a box is in a plane, m.
@@ -233,7 +234,8 @@ Judgement hold(const Record& run, const Record& twin, const std::vector<Record>&
     return judgement;
 }
 
-// A run in f64 against the verdict's references.
+// A run against the verdict's references: in f64, and on joints, which are flown in as many parts of a step as they ask
+// for. At a limit of that rounding decides.
 Judgement hold_by_verdict(const SceneDescription& scene, const Method& method) {
     VerdictOptions options;
     options.tolerance = tolerance;
@@ -246,7 +248,7 @@ Judgement hold_by_verdict(const SceneDescription& scene, const Method& method) {
     const auto size_of = [&](const Verdict& of) {
         return std::max(of.error.position_m / reach(scene.body(of.body)), of.error.orientation_rad);
     };
-    judgement.what = "f64: " + sentence_of(verdict, scene, method);
+    judgement.what = method.numbers + ": " + sentence_of(verdict, scene, method);
     for (const int halvings : {2, 4, 6}) {
         SceneDescription finer = scene;
         finer.step = scaled(scene.step, -halvings);
@@ -282,7 +284,7 @@ Judgement judge_scene(const Trial& trial) {
     if (method.carry && find_integrator(method.integrator).order > 1 && run.gained && !twin.gained && status.empty())
         return {Kind::wrong, "energy grows, in f64 it does not"};
     Judgement judgement;
-    if (method.numbers == "f64" && !method.carry) {
+    if ((method.numbers == "f64" && !method.carry) || !scene.joints.empty()) {
         judgement = status.empty() ? hold_by_verdict(scene, method) : Judgement{};
     } else {
         Random random(1);

@@ -106,6 +106,8 @@ void drop_body(SceneDescription& scene, int body) {
     scene.bodies.erase(scene.bodies.begin() + body);
     drop_those(scene.springs, &SpringDescription::body);
     drop_those(scene.springs, &SpringDescription::to_body);
+    drop_those(scene.joints, &JointDescription::body);
+    drop_those(scene.joints, &JointDescription::to_body);
     drop_those(scene.impulses, &ImpulseDescription::body);
     drop_those(scene.forces, &ForceDescription::body);
 }
@@ -123,6 +125,7 @@ std::vector<SceneDescription> smaller(const SceneDescription& scene) {
     };
     drop_each(&SceneDescription::planes);
     drop_each(&SceneDescription::springs);
+    drop_each(&SceneDescription::joints);
     drop_each(&SceneDescription::impulses);
     drop_each(&SceneDescription::forces);
     if (scene.contact.sleep) list.emplace_back(scene).contact.sleep.reset();
@@ -222,7 +225,7 @@ int main(int argc, char** argv) try {
     std::string write;
     std::vector<std::string> files;
     std::vector<std::uint64_t> known;
-    bool only_first_modules = false;
+    bool only_first_modules = false, has_joints = false;
     CLI::App app{"Runs random scenes or scene files and holds them against double precision and fine references."};
     app.add_option("--seed", seed, "seed of the scenes; a new one otherwise, which is printed");
     app.add_option("--first", first, "number of the first scene");
@@ -231,6 +234,7 @@ int main(int argc, char** argv) try {
     app.add_option("--write", write, "directory for the wrong scenes, made as small as possible");
     app.add_option("--known", known, "numbers of scenes that are known to end wrong: those that do not any more fail")
         ->delimiter(',');
+    app.add_flag("--joints", has_joints, "scenes of bodies on joints, which the others do not have");
     app.add_flag("--first-modules", only_first_modules,
                  "leave out the scenes that are drawn for another carry than the default or for an unusual method");
     app.add_option("files", files, "scenes to judge instead of random ones");
@@ -239,7 +243,8 @@ int main(int argc, char** argv) try {
     const std::string range = "seed " + std::to_string(seed) + ", scenes from " + std::to_string(first) + " on";
     std::vector<Trial> trials;
     bool is_right = read_trials(files, trials);
-    for (std::uint64_t i = 0; files.empty() && i < scenes; ++i) trials.push_back(draw_trial(seed, first + i));
+    for (std::uint64_t i = 0; files.empty() && i < scenes; ++i)
+        trials.push_back(draw_trial(seed, first + i, has_joints));
     std::cout << (files.empty() ? range : std::to_string(files.size()) + " files") << std::endl;
     if (only_first_modules)
         std::erase_if(trials, [](const Trial& trial) {

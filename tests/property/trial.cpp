@@ -52,16 +52,19 @@ class Maker {
 public:
     Maker(std::uint64_t seed, std::uint64_t index) : draw_(Random(Random(seed).bits() ^ (index << 20)).bits()) {}
 
-    Trial make() {
+    Trial make(bool has_joints) {
         draw_method();
         draw_step();
         size_ = draw_.magnitude(0.01, 2);
-        if (draw_.one_in(3)) centre_ = draw_.along(std::min(size_ * draw_.magnitude(1, 1e5), 2e4));
+        // Far from the origin floats round a pose by more than a short arm.
+        if (draw_.one_in(3) && !has_joints) centre_ = draw_.along(std::min(size_ * draw_.magnitude(1, 1e5), 2e4));
         scene_.duration = draw_.magnitude(20, 512) * h_;
-        const int kind = draw_.between(1, 6);
-        constexpr const char* kinds[] = {"flight", "springs", "orbits", "soft contacts", "impacts", "impacts"};
+        const int kind = has_joints ? 7 : draw_.between(1, 6);
+        constexpr const char* kinds[] = {"flight",  "springs", "orbits", "soft contacts",
+                                         "impacts", "impacts", "joints"};
         trial_.kind = kinds[kind - 1];
-        if (kind < 4) flight();
+        if (has_joints) mechanism();
+        else if (kind < 4) flight();
         else contacts(kind == 4 ? ContactResponse::spring : ContactResponse::impulse);
         if (kind == 2)
             for (int b = 0; b < static_cast<int>(scene_.bodies.size()); ++b) add_spring(b);
@@ -198,6 +201,65 @@ private:
         scene_.linear_drag = lightest() * rate;
         if (draw_.one_in(2)) scene_.angular_drag = scene_.linear_drag * size_ * size_ / 40;
     }
+    // Bodies in a row, tied to each other and to the world as trees.
+    void mechanism() {
+        scene_.contact.response = ContactResponse::none;
+        const double fastest = draw_.one_in(2) ? 0 : speed(1e-5, 0.1), gap = size_ * draw_.magnitude(1e-3, 1);
+        const Vector row = draw_.direction();
+        add_bodies(draw_.between(1, 5), false, row, gap, fastest);
+        // What does not move has an energy of rounding alone.
+        if (fastest == 0 || !draw_.one_in(3)) scene_.gravity = triple(draw_.along(acceleration(1e-7, 1e-3)));
+        // Moments are those of the shapes: fixed point does not follow a link whose radius of gyration is 100 arms.
+        for (BodyDescription& body : scene_.bodies) {
+            body.inertia.reset();
+            if (body.fixed) body.angular_velocity = {};
+        }
+        for (int b = 0; b < static_cast<int>(scene_.bodies.size()); ++b)
+            if (!draw_.one_in(8)) add_joint(b);
+        if (draw_.one_in(4)) add_pushes();
+        if (draw_.one_in(8)) add_spring(0);
+    }
+    // To the world or to a body before it. Springs are given by h w and the moment or the mass of the body.
+    void add_joint(int b) {
+        JointDescription joint;
+        const BodyDescription& body = scene_.body(b);
+        joint.name = "joint " + std::to_string(scene_.joints.size() + 1);
+        joint.kind = static_cast<JointKind>(draw_.between(0, 5));
+        joint.body = b;
+        joint.to_body = draw_.between(-1, b - 1);
+        if (body.fixed) return;  // to one that moves it might close a loop
+        const Vector place = vector(body.position), anchor = place + vector(point_of(body)) * 2,
+                     axis = draw_.direction(), across = cross(axis, draw_.direction());
+        joint.anchor = triple(anchor);
+        const bool turns = joint.kind != JointKind::slider && joint.kind != JointKind::distance;
+        const double extent = reach(body), measure = turns ? extent * extent / 10 : 1;
+        if (joint.kind == JointKind::hinge || joint.kind == JointKind::slider || joint.kind == JointKind::universal)
+            joint.axis = triple(axis);
+        if (joint.kind == JointKind::universal)
+            joint.to_axis = triple(norm(across) > 0.1 ? across : cross(axis, Vector{axis.y, axis.z, -axis.x}));
+        if (draw_.one_in(3) && (joint.kind == JointKind::hinge || joint.kind == JointKind::slider)) {
+            const double most = joint.kind == JointKind::hinge ? 2.6 : extent;
+            joint.least = -most * draw_.magnitude(1e-3, 1);
+            joint.most = most * draw_.magnitude(1e-3, 1);
+        }
+        double length = 0;
+        if (joint.kind == JointKind::distance) {
+            const Vector from = joint.to_body < 0 ? place : vector(scene_.body(joint.to_body).position),
+                         to = from + draw_.along(size_ * draw_.magnitude(0.01, 3));
+            joint.to_point = triple(to);
+            length = norm(anchor - to);
+            const bool is_rod = draw_.one_in(2);
+            joint.most = is_rod ? length : length * (1 + draw_.magnitude(1e-3, 1));
+            joint.least = is_rod ? length : draw_.one_in(2) ? 0.0 : length * draw_.uniform(0, 1);
+        }
+        if (draw_.one_in(4) && joint.kind != JointKind::fixed && !joint.is_rod()) {
+            const double hw = draw_.magnitude(0.004, 0.5);
+            joint.spring.stiffness = *body.mass * measure * hw * hw / (h_ * h_);
+            if (draw_.one_in(2)) joint.spring.damping = *body.mass * measure * hw / h_ * draw_.magnitude(0.01, 1);
+            joint.spring.rest = length;
+        }
+        scene_.joints.push_back(joint);
+    }
     // Bodies above a floor, on it or on each other, and walls at any distance.
     void contacts(ContactResponse response) {
         ContactDescription& contact = scene_.contact;
@@ -297,8 +359,8 @@ double reach(const BodyDescription& body) {
     }
 }
 
-Trial draw_trial(std::uint64_t seed, std::uint64_t index) {
-    Trial trial = Maker(seed, index).make();
+Trial draw_trial(std::uint64_t seed, std::uint64_t index, bool has_joints) {
+    Trial trial = Maker(seed, index).make(has_joints);
     trial.index = index;
     trial.scene.name = "trial " + std::to_string(index) + " of seed " + std::to_string(seed);
     return trial;

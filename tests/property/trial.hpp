@@ -24,6 +24,7 @@ struct Trial {
 // 1 for a point mass.
 [[nodiscard]] double reach(const host::BodyDescription& body);
 
-[[nodiscard]] Trial draw_trial(std::uint64_t seed, std::uint64_t index);
+// `has_joints`: of bodies on joints. The others have none.
+[[nodiscard]] Trial draw_trial(std::uint64_t seed, std::uint64_t index, bool has_joints);
 
 }  // namespace tumble::test
