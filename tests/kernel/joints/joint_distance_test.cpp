@@ -249,8 +249,7 @@ TYPED_TEST(Distances, rods_and_hinges_stay_closed_together) {
     EXPECT_TRUE(world.status().ok());
 }
 
-// A tree of up to six bodies of about this size (m), of all kinds of joints, in steps of 1/256 of the time in which it
-// falls by its size and a half or less.
+// A tree of up to six bodies of about this size, m, with all kinds of joints.
 template <class World>
 [[nodiscard]] World random_mechanism(Random random, double size, int rate) {
     World world{{1, rate}, {.gravity = {random.uniform(-g, g), -g, 0}}};

@@ -25,12 +25,16 @@ protected:
     // rad/s and N m: where an end is met to 4e-7 rad in a step of 1/256 s, as in single precision.
     static constexpr double speed = is_single ? 1e-4 : 1e-5, torque = is_single ? 1e-2 : 1e-3;
 
-    // A rod of 1 kg and 1 m on a hinge at the origin, at this angle from hanging.
+    // Of 1 m, with an end at the origin, at this angle from hanging.
+    [[nodiscard]] static BodySpec rod(double mass, double angle) {
+        BodySpec body = at(box(mass, {0.1, 1, 0.1}), {std::sin(angle) / 2, -std::cos(angle) / 2, 0});
+        body.orientation = rotation_about({0, 0, 1}, angle);
+        return body;
+    }
+    // A rod of 1 kg on a hinge at the origin.
     [[nodiscard]] static World pendulum(double angle, const JointLimits& limits) {
         auto world = falling();
-        BodySpec rod = at(box(1, {0.1, 1, 0.1}), {std::sin(angle) / 2, -std::cos(angle) / 2, 0});
-        rod.orientation = rotation_about({0, 0, 1}, angle);
-        (void)world.add(rod);
+        (void)world.add(rod(1, angle));
         (void)world.add(HingeSpec{.body = 0, .limits = limits});
         return world;
     }
@@ -88,18 +92,13 @@ TYPED_TEST(Limits, a_hinge_that_is_posed_beyond_a_limit_comes_to_it) {
             for (const bool was_held : {false, true})
                 for (const double angle : {0.2, -0.3, 1.2, 1.5, 2.0, 2.8, 3.1, -0.7, -1.5, -2.8}) {
                     auto world = this->floating();
-                    const auto rod = [](double mass, double a) {
-                        BodySpec body = at(box(mass, {0.1, 1, 0.1}), {std::sin(a) / 2, -std::cos(a) / 2, 0});
-                        body.orientation = rotation_about({0, 0, 1}, a);
-                        return body;
-                    };
-                    (void)world.add(rod(1, 0));
-                    if (other > 0) (void)world.add(rod(other, 3));
+                    (void)world.add(this->rod(1, 0));
+                    if (other > 0) (void)world.add(this->rod(other, 3));
                     (void)world.add(HingeSpec{.body = 0, .to_body = other > 0 ? 1 : -1, .limits = {least, most}});
                     world.set_angular_velocity(BodyId{0}, {0, 0, was_held ? 8 : 0});
                     for (int i = 0; was_held && i < 200 && this->joint(world).at_limit == 0; ++i) this->run(world, 1);
                     for (int b = 0; b < (other > 0 ? 2 : 1); ++b) {
-                        const BodySpec posed = b == 0 ? rod(1, angle) : rod(other, 3);
+                        const BodySpec posed = b == 0 ? this->rod(1, angle) : this->rod(other, 3);
                         world.set_pose(BodyId{b}, posed.position, posed.orientation);
                         world.set_velocity(BodyId{b}, {});
                         world.set_angular_velocity(BodyId{b}, {});
