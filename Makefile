@@ -176,7 +176,7 @@ tolerances: build/host/build.ninja
 UNSANITIZED := ^(kernel\.tolerances_are_used|a_project_|a_firmware_as_|VerdictOfRun\.a_check_that_is_ended)
 sanitize: deep-setup
 	@test -f build/sanitize/build.ninja || cmake --preset host-debug-sanitize > /dev/null
-	@cmake --build build/sanitize --target all quick
+	@cmake --build build/sanitize --target all quick $(KEEP_GOING)
 	ctest --test-dir build/sanitize --output-on-failure --no-tests=error -j $(JOBS) -LE "qemu|compilers|deep" -E "$(UNSANITIZED)"
 
 ## setup: install what is missing (Debian packages, with sudo when not root)

@@ -22,23 +22,24 @@ struct Pendulum : tumble::Scene {
     static constexpr tumble::Features features{
         .bodies = 2, .joints = 2, .balls = false, .fixed_joints = false, .sliders = false, .universals = false};
 };
-tumble::World<Pendulum> world{{.gravity = {0, -9.81, 0}}};
-tumble::BodyId upper, lower;
-
-bool set_up() {
+constexpr tumble::BodyId upper{0}, lower{1};  // in the order of add()
+// The compiler sets it up, so the firmware has no code for that.
+constinit tumble::World<Pendulum> world = [] {
+    tumble::World<Pendulum> start{{.gravity = {0, -9.81, 0}}};
     const tumble::RealQuat lean = tumble::rotation_about({0, 0, 1}, 57_deg),
                            more = tumble::rotation_about({0, 0, 1}, 86_deg);
     const tumble::RealVec3 half{0, -0.5, 0}, knee = rotate(lean, half) * 2;
     tumble::BodySpec rod = tumble::box(1_kg, {0.1_m, 1_m, 0.1_m});
     rod.orientation = lean;
     rod.position = rotate(lean, half);
-    upper = world.add(rod);
+    start.add(rod);
     rod.orientation = more;
     rod.position = knee + rotate(more, half);
-    lower = world.add(rod);
-    return upper && lower && world.add(tumble::HingeSpec{.body = upper}) &&
-           world.add(tumble::HingeSpec{.body = lower, .to_body = upper, .anchor = knee});
-}
+    start.add(rod);
+    start.add(tumble::HingeSpec{.body = upper});
+    start.add(tumble::HingeSpec{.body = lower, .to_body = upper, .anchor = knee});
+    return start;
+}();
 // What the tests measure.
 [[gnu::noinline]] bool swing_once() { return world.step().ok(); }
 
@@ -79,20 +80,19 @@ void write_hash(std::uint64_t hash) {
 
 int main() {
     tumble::port::init();
-    if (!set_up()) return 1;
     constexpr int tenth = steps / 10;
     const tumble::Real start = energy(), scale = 2 * 9.81 * 2;  // m g l, of both rods
     tumble::Real first{}, last{};
     for (int step = 0; step < steps; ++step) {
-        if (!swing_once()) return 2;
+        if (!swing_once()) return 1;
         const bool is_first = step < tenth, is_last = step >= steps - tenth;
         if (!is_first && !is_last) continue;
         const tumble::Real now = energy();
-        if (abs(now - start) > scale * 0.001) return 3;
+        if (abs(now - start) > scale * 0.001) return 2;
         (is_first ? first : last) += now * (tumble::Real{1} / tenth);
     }
     write("first tenth: ", first);
     write("last tenth: ", last);
     write_hash(world.hash());
-    return abs(last - first) < scale * (steps < 100'000 ? 0.001 : 0.00005) ? 0 : 4;
+    return abs(last - first) < scale * (steps < 100'000 ? 0.001 : 0.00005) ? 0 : 3;
 }

@@ -79,7 +79,7 @@ public:
     // room, or where it closes a loop of joints: fault_of() says which. Other faults are misuse. The next step ends the
     // velocities across the joint, as an impact without restitution would.
     template <JointSpec Spec>
-    JointId add(const Spec& spec) requires(features.has_joints()) {
+    constexpr JointId add(const Spec& spec) requires(features.has_joints()) {
         static_assert(features.*JointKinds::Of<Spec>::feature,
                       "a joint needs its kind among the scene's features: .hinges, .balls, .fixed_joints, .sliders, "
                       ".universals, or .distances for rods and ropes, = true");
@@ -98,7 +98,7 @@ public:
     }
     // Why a joint cannot be added now; `none` where it can.
     template <JointSpec Spec>
-    [[nodiscard]] JointFault fault_of(const Spec& spec) const requires(features.has_joints()) {
+    [[nodiscard]] constexpr JointFault fault_of(const Spec& spec) const requires(features.has_joints()) {
         return Base::fault_of(spec);
     }
     // Number of joints in the world.

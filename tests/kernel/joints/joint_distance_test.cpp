@@ -305,7 +305,8 @@ TYPED_TEST(Distances, random_mechanisms_of_every_size_move_as_in_double) {
             (void)world.step();
             (void)in_double.step();
             for (int b = 0; b < world.body_count(); ++b) {
-                const auto moved = world.position(BodyId{b}), wanted = in_double.position(BodyId{b});
+                const auto moved = world.position(BodyId{b});
+                const auto wanted = in_double.position(BodyId{b});
                 for (int k = 0; k < 3; ++k)
                     largest =
                         std::max(largest, std::abs(static_cast<double>(moved[k]) - static_cast<double>(wanted[k])));

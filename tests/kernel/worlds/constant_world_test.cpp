@@ -225,6 +225,61 @@ TEST(ConstantWorld, the_compiler_sets_up_a_world_with_every_feature_of_contacts)
     EXPECT_EQ((constant_contacts<Q32<>, many>.body_count()), 5);
 }
 
+// A tree of all kinds of joints, with all that they may have.
+template <class N>
+constexpr auto set_up_joints() {
+    constexpr Features what{.bodies = 7,
+                            .joints = 6,
+                            .distances = true,
+                            .joint_springs = true,
+                            .joint_limits = true,
+                            .joint_breaks = true,
+                            .removal = true,
+                            .snapshots = true};
+    World<SceneOf<N, integrators::Verlet, what>> world{Seconds{1, 250}, {.gravity = {0, -9.81, 0}}};
+    BodyId id[6];
+    for (int i = 0; i < 6; ++i) {
+        BodySpec body = thrown();
+        body.mass = 0.3 + i;
+        body.position = {0.3 * i, -i, 0.1};
+        body.orientation = rotation_about({1, 2, 3}, 0.2 * i);
+        body.fixed = i == 4;
+        if (body.fixed) body.velocity = body.angular_velocity = {};
+        id[i] = world.add(body);
+    }
+    const JointSpring spring{.stiffness = 0.5, .damping = 0.01};
+    const JointLimits limits{.least = -0.5, .most = 1};
+    (void)world.add(HingeSpec{.body = id[0], .anchor = {0.1, 0.2, 0.3}, .axis = {1, 0, 2}, .limits = limits});
+    (void)world.add(BallSpec{.body = id[1], .to_body = id[0], .anchor = {0, -1, 0}, .spring = spring});
+    (void)world.add(FixedSpec{.body = id[2], .to_body = id[1], .anchor = {0, -2, 0}, .break_force = 50});
+    (void)world.add(SliderSpec{.body = id[3], .to_body = id[4], .axis = {0, 1, 0}, .spring = spring, .limits = limits});
+    (void)world.add(
+        DistanceSpec{.body = id[5], .to_body = id[3], .point = {1, -5, 0}, .to_point = {1, -3, 0}, .most = 3});
+    BodySpec last = thrown();
+    last.position = {3, 0, 0};
+    const BodyId shaft = world.add(last);
+    (void)world.add(UniversalSpec{.body = shaft, .anchor = {3, 0.5, 0}, .to_spring = spring});
+    return world;
+}
+template <class N>
+constinit auto constant_joints = set_up_joints<N>();
+TYPED_TEST(ConstantWorldIn, joints_that_the_compiler_set_up_have_the_bits_of_some_set_up_at_run_time) {
+    auto world = set_up_joints<TypeParam>();
+    auto& constant = constant_joints<TypeParam>;
+    ASSERT_EQ(world.joint_count(), 6);
+    std::uint8_t bytes[2048], constant_bytes[2048];
+    for (int i = 0; i < 500; ++i) {
+        ASSERT_EQ(world.step().bits, constant.step().bits);
+        ASSERT_EQ(world.hash(), constant.hash());
+        const int size = world.save(bytes, sizeof bytes);
+        ASSERT_GT(size, 0);
+        ASSERT_EQ(constant.save(constant_bytes, sizeof constant_bytes), size);
+        ASSERT_TRUE(std::equal(bytes, bytes + size, constant_bytes));
+    }
+    EXPECT_TRUE(world.template joint<float>(JointId{2}).broken);
+    EXPECT_FALSE(world.status().has(Issue::joint_open));
+}
+
 // A scene of `tumble compile`, with an impulse and events.
 struct Scripted {
     static constexpr const char* name = "scripted";

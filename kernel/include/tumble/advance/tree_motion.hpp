@@ -21,7 +21,7 @@ public:
 
     // Adds a joint that has no fault; returns its place.
     template <class Spec>
-    int add(const Spec& spec) requires(has_joints&& JointSpec<Spec>) {
+    constexpr int add(const Spec& spec) requires(has_joints&& JointSpec<Spec>) {
         const int place = joints.add(spec, bodies);
         if constexpr (features.has_joint_springs()) {
             using Springs = typename Loads::JointSprings;

@@ -15,7 +15,7 @@ public:
         visit(self.taken_, self.generation_, self.count_);
     }
     [[nodiscard]] int count() const { return count_; }
-    [[nodiscard]] bool is_taken(int place) const { return place >= 0 && place < capacity && taken_[place]; }
+    [[nodiscard]] constexpr bool is_taken(int place) const { return place >= 0 && place < capacity && taken_[place]; }
     // False of the id of a body that has been removed.
     [[nodiscard]] bool contains(BodyId id) const {
         return is_taken(id.index()) && generation_[id.index()] == id.generation();

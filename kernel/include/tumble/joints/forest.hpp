@@ -117,7 +117,7 @@ public:
     }
     // Adds a joint that has no fault; returns its place.
     template <class Spec>
-    TUMBLE_COLD int add(const Spec& spec, const auto& bodies) {
+    TUMBLE_COLD constexpr int add(const Spec& spec, const auto& bodies) {
         using Kind = typename JointKinds::Of<Spec>;
         const int place = first_vacant();
         Record& joint = record_[place];
@@ -137,7 +137,7 @@ public:
         if constexpr (requires { spec.most; }) forget_pose(tree);
         return place;
     }
-    [[nodiscard]] std::uint16_t generation(int place) const { return record_[place].generation; }
+    [[nodiscard]] constexpr std::uint16_t generation(int place) const { return record_[place].generation; }
     [[nodiscard]] bool contains(JointId id) const {
         const int place = id.index();
         return place >= 0 && place < room && record_[place].is_there && record_[place].generation == id.generation();
@@ -156,7 +156,7 @@ public:
         order(bodies);
     }
     // True of a joint that is there and has not broken.
-    [[nodiscard]] bool acts(int place) const {
+    [[nodiscard]] constexpr bool acts(int place) const {
         if constexpr (features.joint_breaks)
             if (strength_[place].is_broken) return false;
         return record_[place].is_there;
@@ -190,7 +190,7 @@ public:
         for (int t = 0; t < tree_count_; ++t) any = any || node_[tree_[t].first].base == b;
         return any;
     }
-    [[nodiscard]] bool is_in(const JointTreeState& tree, int b) const {
+    [[nodiscard]] constexpr bool is_in(const JointTreeState& tree, int b) const {
         for (int i = tree.first; i < tree.last; ++i)
             if (node_[i].body == b) return true;
         return false;
@@ -236,7 +236,7 @@ public:
     [[nodiscard]] Kicks* kicks() { return kick_; }
     [[nodiscard]] const Kicks* kicks() const { return kick_; }
     [[nodiscard]] FreeDirection<N>* directions() { return direction_; }
-    [[nodiscard]] const Record& record(int j) const { return record_[j]; }
+    [[nodiscard]] constexpr const Record& record(int j) const { return record_[j]; }
     // Of a node that keeps a distance.
     [[nodiscard]] const JointRange<N>& range(const Node& node) const requires(features.has_joint_ranges()) {
         return range_[node.joint];
@@ -244,14 +244,14 @@ public:
     [[nodiscard]] const JointRange<N>& range_of(int joint) const requires(features.has_joint_ranges()) {
         return range_[joint];
     }
-    [[nodiscard]] bool has_range(const Node& node) const requires(features.has_joint_ranges()) {
+    [[nodiscard]] constexpr bool has_range(const Node& node) const requires(features.has_joint_ranges()) {
         return node.joint != Node::no_joint && range_[node.joint].is_there;
     }
     // Of a node as a body on its parent: the other way round where the joint is.
     [[nodiscard]] static int sign(const Node& node) { return node.side == 0 || node.keeps_distance() ? 1 : -1; }
     // Where neither end is held, nothing is handed on along a distance. A hinge or a slider has no free direction at an
     // end.
-    void set_end(Node& node, int end) requires(features.has_joint_ranges()) {
+    constexpr void set_end(Node& node, int end) requires(features.has_joint_ranges()) {
         range_[node.joint].end = static_cast<std::int8_t>(end);
         if (node.keeps_distance()) {
             node.slides = end == 0 ? 3 : 2;
@@ -290,7 +290,7 @@ public:
     // What is open at the speed v costs no more energy than the whole tree at v, with the mass M. So a part of the mass
     // m and the radius of gyration k moves by at most v sqrt(M / m), and spins with at most v sqrt(M / m) / k. Spins
     // count times the length l: a solution keeps bits of the targets for the largest sqrt(M / m) l / k.
-    [[gnu::noinline, gnu::cold]] void fit_lengths(JointTreeState& tree) {
+    [[gnu::noinline, gnu::cold]] constexpr void fit_lengths(JointTreeState& tree) {
         if constexpr (N::fixed_point) {
             for (int i = tree.first; i < tree.last; ++i) node_[i].reach = node_[i].own_reach;
             for (int i = tree.last - 1; i >= tree.first; --i) {
@@ -475,22 +475,22 @@ private:
         while (place < room && record_[place].is_there) ++place;
         return place;
     }
-    [[nodiscard]] const JointTreeState* tree_of(int b) const {
+    [[nodiscard]] constexpr const JointTreeState* tree_of(int b) const {
         for (int t = 0; t < tree_count_; ++t)
             if (is_in(tree_[t], b)) return &tree_[t];
         return nullptr;
     }
-    [[nodiscard]] JointTreeState* tree_of(int b) {
+    [[nodiscard]] constexpr JointTreeState* tree_of(int b) {
         return const_cast<JointTreeState*>(std::as_const(*this).tree_of(b));
     }
     // True where joints tie the two sides already. All fixed bodies are one with the world.
-    [[nodiscard]] bool is_tied(const auto& bodies, int a, int b) const {
+    [[nodiscard]] constexpr bool is_tied(const auto& bodies, int a, int b) const {
         const JointTreeState *of_a = is_base(bodies, a) ? nullptr : tree_of(a),
                              *of_b = is_base(bodies, b) ? nullptr : tree_of(b);
         if (of_a != nullptr && of_a == of_b) return true;
         return is_grounded(bodies, a, of_a) && is_grounded(bodies, b, of_b);
     }
-    [[nodiscard]] bool is_grounded(const auto& bodies, int b, const JointTreeState* tree) const {
+    [[nodiscard]] constexpr bool is_grounded(const auto& bodies, int b, const JointTreeState* tree) const {
         return is_base(bodies, b) || (tree != nullptr && node_[tree->first].joint != Node::no_joint);
     }
     // Of a joint that goes: a half kick is along the rows that there were.
@@ -501,35 +501,35 @@ private:
             note_change(*tree);
         }
     }
-    static void note_change(JointTreeState& tree) {
+    static constexpr void note_change(JointTreeState& tree) {
         tree.is_disturbed = tree.is_new = true;
         tree.is_factored = false;
     }
-    void forget_kicks(const JointTreeState& tree) {
+    constexpr void forget_kicks(const JointTreeState& tree) {
         for (int i = tree.first; i < tree.last; ++i) kick_[i] = {};
     }
-    void forget_pose(JointTreeState& tree) {
+    constexpr void forget_pose(JointTreeState& tree) {
         forget_kicks(tree);
         tree.is_factored = false;
         tree.is_disturbed = tree.is_moved = true;
     }
 
     // What is wrong with the bodies of a joint, and with its place in the world.
-    TUMBLE_COLD [[nodiscard]] static JointFault fault_of_sides(const auto& bodies, int a, int b) {
+    TUMBLE_COLD [[nodiscard]] static constexpr JointFault fault_of_sides(const auto& bodies, int a, int b) {
         if (a == b) return JointFault::same_body;
         if (is_base(bodies, a) && is_base(bodies, b)) return JointFault::no_moving_body;
         return bodies.rotates(a) && (b < 0 || bodies.rotates(b)) ? JointFault::none : JointFault::point_mass;
     }
-    TUMBLE_COLD [[nodiscard]] JointFault fault_of_place(const auto& bodies, int a, int b, const RealVec3& anchor,
-                                                        const RealVec3& to_anchor) const {
+    TUMBLE_COLD [[nodiscard]] constexpr JointFault
+    fault_of_place(const auto& bodies, int a, int b, const RealVec3& anchor, const RealVec3& to_anchor) const {
         if (is_far(bodies, a, anchor) || is_far(bodies, b, to_anchor)) return JointFault::too_far;
         if (moves_by_itself(bodies, a) || moves_by_itself(bodies, b)) return JointFault::moving_base;
         if (is_tied(bodies, a, b)) return JointFault::closes_loop;
         return first_vacant() < room ? JointFault::none : JointFault::no_room;
     }
     // A joint of this place, new between two bodies.
-    TUMBLE_COLD void set_sides(Record& joint, const auto& bodies, int a, int b, const RealVec3& anchor,
-                               const RealVec3& to_anchor, const detail::JointAxes& axes) {
+    TUMBLE_COLD constexpr void set_sides(Record& joint, const auto& bodies, int a, int b, const RealVec3& anchor,
+                                         const RealVec3& to_anchor, const detail::JointAxes& axes) {
         const std::uint16_t generation = joint.generation;
         joint = {};
         joint.generation = generation;
@@ -539,7 +539,7 @@ private:
         for (int i = 0; i < 3; ++i) joint.anchor[i] = N::template Integrated<typename N::Position>::from(to_anchor[i]);
     }
     // Brings a new joint into its tree, which it returns.
-    TUMBLE_COLD JointTreeState& tie(const Record& joint, const auto& bodies) {
+    TUMBLE_COLD constexpr JointTreeState& tie(const Record& joint, const auto& bodies) {
         order(bodies);
         const int moving = is_base(bodies, joint.side[0].body) ? joint.side[1].body : joint.side[0].body;
         JointTreeState& tree = *tree_of(moving);
@@ -547,8 +547,8 @@ private:
         return tree;
     }
     // The anchor and the axes as the body sees them now.
-    TUMBLE_COLD void set_side(typename Record::Side& side, const auto& bodies, int b, const RealVec3& anchor,
-                              const RealVec3 (&axis)[2]) {
+    TUMBLE_COLD constexpr void set_side(typename Record::Side& side, const auto& bodies, int b, const RealVec3& anchor,
+                                        const RealVec3 (&axis)[2]) {
         side.body = static_cast<std::int16_t>(b);
         RealVec3 arm{};
         RealQuat q{};
@@ -565,11 +565,11 @@ private:
             for (int i = 0; i < 3; ++i) side.axis[k][i] = J::unit(own[i], 0);
         }
     }
-    TUMBLE_COLD [[nodiscard]] static Real length_of(const RealVec3& v) { return sqrt(dot(v, v)); }
+    TUMBLE_COLD [[nodiscard]] static constexpr Real length_of(const RealVec3& v) { return sqrt(dot(v, v)); }
 
     // A distance that is at an end of its range is held there.
-    TUMBLE_COLD static void set_range(JointRange<N>& range,
-                                      const DistanceSpec& spec) requires(features.has_joint_ranges()) {
+    TUMBLE_COLD static constexpr void set_range(JointRange<N>& range,
+                                                const DistanceSpec& spec) requires(features.has_joint_ranges()) {
         const RealVec3 apart = spec.point - spec.to_point;
         const Real length = length_of(apart), near = Real::scaled(1, -20);
         range.is_there = true;
@@ -581,8 +581,8 @@ private:
     }
 
     // Both of a hinge and of a slider, which use what they need.
-    TUMBLE_COLD static void set_range(JointRange<N>& range,
-                                      const JointLimits& limits) requires(features.has_joint_ranges()) {
+    TUMBLE_COLD static constexpr void set_range(JointRange<N>& range,
+                                                const JointLimits& limits) requires(features.has_joint_ranges()) {
         if (!limits.acts()) return;
         range.is_there = true;
         range.least = J::length(limits.least);
@@ -598,7 +598,7 @@ private:
     // has its heaviest body as root, of equal ones that of the lowest place: beside a light root the solution keeps
     // fewer bits of it. Then come its children in the order of their places, and theirs. It takes time as the number
     // of bodies times that of joints, anew for each tree that flies freely.
-    TUMBLE_COLD void order(const auto& bodies) {
+    TUMBLE_COLD constexpr void order(const auto& bodies) {
         Kicks kept_kick[most_nodes]{};
         std::int16_t kept_body[most_nodes]{};
         JointTreeState kept_tree[most_trees]{};
@@ -642,13 +642,13 @@ private:
     }
     static constexpr int none = -2;
     // The joint of a body with a base, or `none`.
-    TUMBLE_COLD [[nodiscard]] int base_joint(const auto& bodies, int b) const {
+    TUMBLE_COLD [[nodiscard]] constexpr int base_joint(const auto& bodies, int b) const {
         for (int j = 0; j < room; ++j)
             if (const int other = other_of(j, b); other != none && is_base(bodies, other)) return j;
         return none;
     }
     // Of the bodies that have a joint and are in no tree yet, the heaviest one, at the lowest place; or `none`.
-    TUMBLE_COLD [[nodiscard]] int heaviest_loose(const auto& bodies) const {
+    TUMBLE_COLD [[nodiscard]] constexpr int heaviest_loose(const auto& bodies) const {
         int heaviest = none;
         for (int b = 0; b < bodies.count; ++b) {
             bool is_loose = false;
@@ -659,14 +659,14 @@ private:
         return heaviest;
     }
     // The body at the other side of joint j, if b is at one; else `none`.
-    [[nodiscard]] int other_of(int j, int b) const {
+    [[nodiscard]] constexpr int other_of(int j, int b) const {
         const Record& joint = record_[j];
         if (!acts(j)) return none;
         for (int side = 0; side < 2; ++side)
             if (joint.side[side].body == b) return joint.side[1 - side].body;
         return none;
     }
-    TUMBLE_COLD void grow(const auto& bodies, int root, int joint) {
+    TUMBLE_COLD constexpr void grow(const auto& bodies, int root, int joint) {
         JointTreeState& tree = tree_[tree_count_++];
         tree = {};
         tree.first = static_cast<std::int16_t>(node_count_);
@@ -696,12 +696,12 @@ private:
                 }
         }
     }
-    void add_direction(bool turns, int only) {
+    constexpr void add_direction(bool turns, int only) {
         FreeDirection<N>& direction = direction_[direction_count_++];
         direction.turns = turns;
         direction.only = static_cast<std::int8_t>(only);
     }
-    TUMBLE_COLD void put(int at, int b, int parent, int joint) {
+    TUMBLE_COLD constexpr void put(int at, int b, int parent, int joint) {
         Node& node = node_[at];
         node = {};
         is_jointed_[b] = true;
@@ -718,7 +718,7 @@ private:
     }
 
     // Masses and moments, and the powers of two that hold subtrees.
-    TUMBLE_COLD void set_constants(const auto& bodies, JointTreeState& tree) {
+    TUMBLE_COLD constexpr void set_constants(const auto& bodies, JointTreeState& tree) {
         Real mass[most_nodes];
         for (int i = tree.first; i < tree.last; ++i) mass[i] = set_body(bodies, node_[i]);
         for (int i = tree.last - 1; i >= tree.first; --i)
@@ -735,23 +735,23 @@ private:
         }
         fit_lengths(tree);
     }
-    TUMBLE_COLD [[nodiscard]] static std::int32_t reach_of(const Real& length) {
+    TUMBLE_COLD [[nodiscard]] static constexpr std::int32_t reach_of(const Real& length) {
         const std::int64_t reach = length.to_fixed(reach_bits, 64) + 1;
         return static_cast<std::int32_t>(reach < most_reach ? reach : most_reach);
     }
-    TUMBLE_COLD [[nodiscard]] static RealVec3 arm_of(const typename Record::Side& side) {
+    TUMBLE_COLD [[nodiscard]] static constexpr RealVec3 arm_of(const typename Record::Side& side) {
         RealVec3 arm;
         for (int i = 0; i < 3; ++i) arm[i] = static_cast<Real>(N::work(side.arm[i])) * Real::scaled(1, side.arm_log2);
         return arm;
     }
-    TUMBLE_COLD [[nodiscard]] RealVec3 own_arm(const Node& node) const {
+    TUMBLE_COLD [[nodiscard]] constexpr RealVec3 own_arm(const Node& node) const {
         return node.joint == Node::no_joint ? RealVec3{} : arm_of(record_[node.joint].side[node.side]);
     }
-    [[nodiscard]] RealVec3 parent_arm(const Node& node) const {
+    [[nodiscard]] constexpr RealVec3 parent_arm(const Node& node) const {
         return arm_of(record_[node.joint].side[1 - node.side]);
     }
     // What a force at an arm does to the swing of the body across the arm: the largest |e_i x r| / I_i, at least 2^-30.
-    TUMBLE_COLD [[nodiscard]] static Real swing(const auto& bodies, const RealVec3& arm, int b) {
+    TUMBLE_COLD [[nodiscard]] static constexpr Real swing(const auto& bodies, const RealVec3& arm, int b) {
         Real largest = Real::scaled(1, -30);
         for (int i = 0; i < 3; ++i) {
             const Real y = arm[(i + 1) % 3], z = arm[(i + 2) % 3];
@@ -762,7 +762,7 @@ private:
         return largest;
     }
     // Returns the mass.
-    TUMBLE_COLD [[nodiscard]] Real set_body(const auto& bodies, Node& node) {
+    TUMBLE_COLD [[nodiscard]] constexpr Real set_body(const auto& bodies, Node& node) {
         const int b = node.body;
         const Real step = bodies.step_length, mass = step / static_cast<Real>(bodies.step_per_mass(b));
         RealVec3 moment;

@@ -199,7 +199,7 @@ requires(N::fixed_point) struct JointNumbers<N> {
     struct Factor {
         std::int32_t mantissa;
         std::int8_t log2;
-        [[nodiscard]] static Factor of(Real value) {
+        [[nodiscard]] static constexpr Factor of(Real value) {
             const int log2 = value.ceil_log2_bound();
             return {static_cast<std::int32_t>((value * Real::scaled(1, -log2)).to_fixed(Unit::fraction_bits)),
                     static_cast<std::int8_t>(log2)};
@@ -248,7 +248,7 @@ requires(N::fixed_point) struct JointNumbers<N> {
     }
     // A sum times 2^-down.
     template <class Sum>
-    [[nodiscard]] TUMBLE_INLINE static Sum halved(Sum sum, int down) {
+    [[nodiscard]] TUMBLE_INLINE static constexpr Sum halved(Sum sum, int down) {
         return down == 0 ? sum : Sum{sum.raw >> down};
     }
     // h^2 f r / I in 2^-16, from the sum of the components of 2^log2 h^2 f, kg m.
@@ -364,7 +364,7 @@ requires(!N::fixed_point) struct JointNumbers<N> {
     [[nodiscard]] static Root inverse_root(Unit d) { return {Unit(1) / sqrt(d)}; }
     struct Factor {
         Unit value;
-        [[nodiscard]] static Factor of(Real real) { return {N::template constant<Unit>(real)}; }
+        [[nodiscard]] static constexpr Factor of(Real real) { return {N::template constant<Unit>(real)}; }
         [[nodiscard]] TUMBLE_INLINE Unit operator()(Unit a) const { return a * value; }
     };
     [[nodiscard]] TUMBLE_INLINE static Unit mean(Unit a, Unit b) { return (a + b) * Unit(0.5); }
@@ -376,7 +376,7 @@ requires(!N::fixed_point) struct JointNumbers<N> {
     }
     [[nodiscard]] TUMBLE_INLINE static bool is_far(Unit quarter) { return magnitude_of(quarter) > Unit(0.015625); }
     // a 2^-down.
-    [[nodiscard]] TUMBLE_INLINE static Unit halved(Unit a, int down) {
+    [[nodiscard]] TUMBLE_INLINE static constexpr Unit halved(Unit a, int down) {
         for (; down > 0; --down) a *= Unit(0.5);
         for (; down < 0; ++down) a += a;
         return a;

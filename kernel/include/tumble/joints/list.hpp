@@ -78,7 +78,8 @@ struct JointKindList {
     template <class Spec>
     using Of = typename detail::KindOfSpec<Spec, Kinds...>::type;
     // Of the kind with a number.
-    static constexpr std::int8_t turns[] = {Kinds::turns...}, slides[] = {Kinds::slides...}, axes[] = {Kinds::axes...};
+    static constexpr std::int8_t turns[count] = {Kinds::turns...}, slides[count] = {Kinds::slides...},
+                                 axes[count] = {Kinds::axes...};
 };
 
 using JointKinds =

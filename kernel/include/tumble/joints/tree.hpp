@@ -93,7 +93,7 @@ struct JointNode {
     JointMatrix<Unit> a, b, c;
 
     // It hangs by a distance.
-    [[nodiscard]] bool keeps_distance() const { return joint != no_joint && slides > 1; }
+    [[nodiscard]] constexpr bool keeps_distance() const { return joint != no_joint && slides > 1; }
 };
 
 // What a solution of one body is: the targets, and the change of its motion.
@@ -171,7 +171,9 @@ public:
         const typename J::Down by{clamped(bits)};
         return {by(v[0]), by(v[1]), by(v[2])};
     }
-    [[nodiscard]] TUMBLE_INLINE static int clamped(int bits) { return bits < J::most_down ? bits : J::most_down; }
+    [[nodiscard]] TUMBLE_INLINE static constexpr int clamped(int bits) {
+        return bits < J::most_down ? bits : J::most_down;
+    }
     // With ties to even.
     TUMBLE_INLINE static void lower(Vector& v, int bits) {
         if (N::fixed_point && bits != 0) lower_even(v, bits);

@@ -22,15 +22,16 @@ public:
     // As the world knows a side of the joint: the arm, m, and the axes in principal axes.
     struct Side {
         int body = -1;  // -1: the world
-        Vector arm{};
+        StoredVec3<Work> arm{};
         StoredVec3<Unit> axis[2]{};
     };
 
     constexpr JointSprings(Real, const WorldSpec&) {}
 
     // Sets the springs of a joint. `along` of a universal joint is `turns`: about an axis of each body.
-    TUMBLE_COLD void set(int joint, Along along, const Side (&side)[2], const typename N::PositionSum (&anchor)[3],
-                         const JointSpring (&spring)[2], const auto& all) {
+    TUMBLE_COLD constexpr void set(int joint, Along along, const Side (&side)[2],
+                                   const typename N::PositionSum (&anchor)[3], const JointSpring (&spring)[2],
+                                   const auto& all) {
         Entry& entry = entry_[joint];
         entry = Entry{};
         if (!spring[0].acts() && !spring[1].acts()) return note(all);
@@ -47,8 +48,9 @@ public:
     }
     // Forgets the springs of joints that are not known any more. Those of joints that hold nothing do nothing.
     TUMBLE_COLD void keep(auto&& is_known, auto&& acts, const auto& all) {
+        const Entry none{};
         for (int j = 0; j < joints; ++j) {
-            if (!is_known(j)) entry_[j] = Entry{};
+            if (!is_known(j)) entry_[j] = none;
             entry_[j].is_on = entry_[j].along != Along::nothing && acts(j);
         }
         note(all);
@@ -161,7 +163,7 @@ private:
     };
 
     // Notes which bodies feel them.
-    TUMBLE_COLD void note(const auto& all) {
+    TUMBLE_COLD constexpr void note(const auto& all) {
         for (int b = 0; b < bodies; ++b) acts_[b] = couples_[b] = false;
         is_damped_ = false;
         for (const Entry& entry : entry_) {

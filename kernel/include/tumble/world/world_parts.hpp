@@ -111,14 +111,14 @@ protected:
         return SpringId{advance_.loads.springs().count() - 1};
     }
     template <JointSpec Spec>
-    JointId add(const Spec& spec) requires(features.has_joints()) {
+    constexpr JointId add(const Spec& spec) requires(features.has_joints()) {
         refuse_to_record();
         JointId id;
         detail::run_once([&] { id = add_joint(spec); });
         return id;
     }
     template <JointSpec Spec>
-    TUMBLE_COLD JointId add_joint(const Spec& spec) requires(features.has_joints()) {
+    TUMBLE_COLD constexpr JointId add_joint(const Spec& spec) requires(features.has_joints()) {
         const JointFault fault = fault_of(spec);
         TUMBLE_ASSERT(fault == JointFault::none || is_refused(fault));
         if (fault != JointFault::none) {
@@ -137,7 +137,7 @@ protected:
         return {place, advance_.joints.generation(place)};
     }
     template <JointSpec Spec>
-    [[nodiscard]] JointFault fault_of(const Spec& spec) const requires(features.has_joints()) {
+    [[nodiscard]] constexpr JointFault fault_of(const Spec& spec) const requires(features.has_joints()) {
         const JointFault fault = advance_.joints.fault_of(spec, advance_.bodies, [&](int b) {
             if constexpr (features.removal) return places_.is_taken(b);
             else return b >= 0 && b < advance_.bodies.count;
