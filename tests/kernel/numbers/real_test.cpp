@@ -52,44 +52,6 @@ TEST(real, sums_and_differences_are_within_three_units_of_the_larger_operand) {
     }
 }
 
-// The compiler divides in another way than a program. Operands with many bits equal find the digits that are guessed
-// too large.
-struct Quotients {
-    static constexpr int count = 300;
-    Real of[count]{};
-
-    constexpr explicit Quotients(std::uint64_t seed) {
-        std::uint64_t bits = seed;
-        const auto draw = [&bits] {
-            for (const int shift : {13, -7, 17}) bits ^= shift > 0 ? bits << shift : bits >> -shift;  // Marsaglia 2003
-            return bits;
-        };
-        for (Real& quotient : of) {
-            Real operand[2];
-            for (Real& each : operand) {
-                std::uint64_t mantissa = draw() >> 1;
-                const auto kind = draw() % 6;
-                if (kind == 0) mantissa |= 0x7fffffff00000000u;
-                else if (kind == 1) mantissa &= 0x7fffffff00000000u;
-                else if (kind == 2) mantissa |= 0xffffffffu;
-                else if (kind == 3) mantissa = mantissa % 3 + 1;
-                each = Real::scaled(static_cast<std::int64_t>(mantissa | 1), static_cast<int>(draw() % 40));
-            }
-            quotient = operand[0] / operand[1];
-        }
-    }
-};
-TEST(real, the_compiler_and_a_program_find_the_same_quotients) {
-    static constexpr std::uint64_t seed = 88172645463325252u;
-    static constexpr Quotients constant{seed};
-    volatile std::uint64_t same_seed = seed;
-    const Quotients found{same_seed};
-    for (int i = 0; i < Quotients::count; ++i) {
-        ASSERT_EQ(found.of[i].leading_bits(), constant.of[i].leading_bits());
-        ASSERT_TRUE((found.of[i] - constant.of[i]).is_zero()) << i;
-    }
-}
-
 TEST(real, products_and_quotients_are_within_a_unit) {
     Random random{3};
     for (int i = 0; i < tests::many; ++i) {

@@ -11,7 +11,7 @@ struct Distance {
     static constexpr bool Features::*feature = &Features::distances;
     static constexpr int turns = 3, slides = 2, axes = 0;
 
-    [[nodiscard]] static constexpr detail::JointAxes axes_of(const Spec&) { return detail::any_axes; }
+    [[nodiscard]] static constexpr detail::JointAxes axes_of(const Spec&) { return detail::axes_about({0, 0, 1}); }
     TUMBLE_COLD [[nodiscard]] static constexpr JointFault fault_of(const Spec& spec) {
         if (spec.least.is_negative() || !(spec.most > Real{}) || spec.least > spec.most) return JointFault::empty_range;
         const RealVec3 apart = spec.point - spec.to_point;

@@ -11,7 +11,7 @@ struct Fixed {
     static constexpr bool Features::*feature = &Features::fixed_joints;
     static constexpr int turns = 0, slides = 0, axes = 2;
 
-    [[nodiscard]] static constexpr detail::JointAxes axes_of(const Spec&) { return detail::any_axes; }
+    [[nodiscard]] static constexpr detail::JointAxes axes_of(const Spec&) { return detail::axes_about({0, 0, 1}); }
     [[nodiscard]] static constexpr JointFault fault_of(const Spec&) { return JointFault::none; }
 };
 

@@ -245,9 +245,6 @@ TUMBLE_COLD [[nodiscard]] constexpr JointAxes axes_about(const RealVec3& axis) {
     return axes;
 }
 
-// Those of a kind that has none of its own.
-inline constexpr JointAxes any_axes = axes_about({0, 0, 1});
-
 }  // namespace detail
 
 }  // namespace tumble

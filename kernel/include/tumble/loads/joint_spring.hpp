@@ -32,18 +32,19 @@ public:
     TUMBLE_COLD constexpr void set(int joint, Along along, const Side (&side)[2],
                                    const typename N::PositionSum (&anchor)[3], const JointSpring (&spring)[2],
                                    const auto& all) {
-        Entry& entry = entry_[joint];
-        entry = Entry{};
-        if (!spring[0].acts() && !spring[1].acts()) return note(all);
-        entry.along = along;
-        entry.is_on = true;
-        for (int i = 0; i < 2; ++i) {
-            entry.side[i] = side[i];
-            entry.stiffness[i] = N::template constant<Work>(spring[i].stiffness);
-            entry.damping[i] = N::template constant<Work>(spring[i].damping);
-            entry.rest[i] = N::template constant<Work>(spring[i].rest);
+        Entry entry{};
+        if (spring[0].acts() || spring[1].acts()) {
+            entry.along = along;
+            entry.is_on = true;
+            for (int i = 0; i < 2; ++i) {
+                entry.side[i] = side[i];
+                entry.stiffness[i] = N::template constant<Work>(spring[i].stiffness);
+                entry.damping[i] = N::template constant<Work>(spring[i].damping);
+                entry.rest[i] = N::template constant<Work>(spring[i].rest);
+            }
+            for (int i = 0; i < 3; ++i) entry.anchor[i] = anchor[i];
         }
-        for (int i = 0; i < 3; ++i) entry.anchor[i] = anchor[i];
+        entry_[joint] = entry;
         note(all);
     }
     // Forgets the springs of joints that are not known any more. Those of joints that hold nothing do nothing.

@@ -88,12 +88,10 @@ public:
         if ((high >> 63) != 0) return rounded(negative, high, (rest >> 63) != 0, exponent);
         return rounded(negative, (high << 1) | (rest >> 63), ((rest >> 62) & 1) != 0, exponent - 1);
     }
-    // Long division; b must not be zero. A core goes bit by bit, in 65 rounds, which takes little code. The compiler
-    // goes by two digits, for the same quotient: it has a limit of operations for what it sets up.
+    // Long division, 65 rounds. b must not be zero.
     TUMBLE_SET_UP friend constexpr Real operator/(Real a, Real b) {
         TUMBLE_ASSERT(b.mantissa_ != 0);
         if (a.mantissa_ == 0) return {};
-        if (std::is_constant_evaluated()) return by_digits(a, b);
         int exponent = a.exponent_ - b.exponent_ - 63;
         std::uint64_t remainder = a.mantissa_, quotient = 0;
         bool carry = false;
@@ -175,28 +173,6 @@ private:
             ++exponent;
         }
         return make(negative, mantissa, exponent);
-    }
-    // The quotient of numbers that are not zero.
-    [[nodiscard]] static constexpr Real by_digits(Real a, Real b) {
-        const bool is_less = a.mantissa_ < b.mantissa_;
-        std::uint64_t remainder = is_less ? a.mantissa_ : a.mantissa_ >> 1;
-        std::uint64_t quotient = b.next_digit(remainder, is_less ? 0 : a.mantissa_ << 63 >> 32) << 32;
-        quotient |= b.next_digit(remainder, 0);
-        return rounded(a.negative_ != b.negative_, quotient, remainder >= b.mantissa_ - remainder,
-                       a.exponent_ - b.exponent_ - (is_less ? 64 : 63));
-    }
-    // The next digit of 32 bits of a quotient by this mantissa, whose remainder is below it (Knuth 1997, "The Art of
-    // Computer Programming" 2, algorithm 4.3.1 D).
-    [[nodiscard]] constexpr std::uint64_t next_digit(std::uint64_t& remainder, std::uint64_t next) const {
-        const std::uint64_t high = mantissa_ >> 32, low = mantissa_ & 0xffffffffu;
-        std::uint64_t digit = remainder / high, rest = remainder % high;
-        while ((digit >> 32) != 0 || digit * low > (rest << 32 | next)) {
-            --digit;
-            rest += high;
-            if ((rest >> 32) != 0) break;
-        }
-        remainder = (remainder << 32 | next) - digit * mantissa_;
-        return digit;
     }
     [[nodiscard]] constexpr std::uint64_t ieee(int fraction_bits, int bias) const {
         const std::uint64_t sign = static_cast<std::uint64_t>(negative_) << (bias == 1023 ? 63 : 31);
