@@ -1,6 +1,7 @@
 // What stands is not looked at until something happens. Reference: a world in which every step looks at everything.
 #include "kinds.hpp"
 #include "player.hpp"
+#include "random.hpp"
 
 #include <cmath>
 
@@ -189,6 +190,57 @@ TYPED_TEST(Standing, bodies_move_on_after_a_snapshot) {
         play.world().apply_impulse(play.boxes[4], {0, 0, 3});
     });
 }
+// A box is laid aslant on another one, which lies on the ground or is fixed. Soon nothing changes any more.
+template <class N>
+void expect_rest(const BodySpec& lower, BodySpec upper, Real height, const RealVec3& place, Real x_slope, Real z_slope,
+                 bool is_fixed, int steps) {
+    Player<Ground<N, 11>> play{Town<N, 11>::spec()};
+    EXPECT_TRUE(play.world().add(PlaneSpec{}));
+    BodySpec other = lower;
+    other.fixed = is_fixed;
+    const Real half = other.shape.size.y * 0.5, depth = 0.0002;
+    (void)play.add(other, {0, half - depth, 0});
+    upper.orientation = rotation_about({0, 0, 1}, x_slope) * rotation_about({1, 0, 0}, z_slope);
+    const RealVec3 above{0, half * 2 - depth + upper.shape.size.y * 0.5 + height, 0};
+    const BodyId b = play.add(upper, place + above);
+    const auto start = play.world().position(b);
+    play.run(steps);
+    const auto last = play.hashes().back();
+    play.run(20);
+    for (std::size_t i = 1; i <= 20; ++i) ASSERT_EQ(play.hashes()[play.hashes().size() - i], last);
+    EXPECT_TRUE(play.world().status().ok());
+    for (int i = 0; i < 3; ++i)
+        EXPECT_NEAR(static_cast<double>(play.world().position(b)[i]), static_cast<double>(start[i]), 0.0003);
+}
+// Each has its deepest vertex beside the face of the other. Where they overlap they are not so deep that it is
+// corrected.
+TYPED_TEST(Standing, boxes_come_to_rest_that_are_deepest_beside_their_faces) {
+    Random random{1};
+    for (int i = 0; i < 24; ++i) {
+        const auto slope = [&] { return random.uniform(0.00005, 0.00015); };
+        const auto side = [&] { return random.between(0, 1) == 0 ? -1 : 1; };
+        const double x = random.uniform(0.2, 0.45), z = random.uniform(0.2, 0.45), x_slope = slope(), z_slope = slope(),
+                     deepest = random.uniform(0.0002, 0.00025);
+        const int at_x = side(), at_z = side();
+        expect_rest<TypeParam>(box(1, {1, 1, 1}), box(random.uniform(0.3, 3), {1, 0.2, 1}),
+                               x_slope * (0.5 - x) + z_slope * 0.5 - deepest, {at_x * x, 0, at_z * z}, -at_x * x_slope,
+                               -at_z * z_slope, i % 3 == 0, 200);
+    }
+}
+// Two edges part them more than their faces do. Some turn about two points until a third one touches.
+TYPED_TEST(Standing, planks_come_to_rest_across_each_other) {
+    Random random{2};
+    for (int i = 0; i < 24; ++i) {
+        const auto slope = [&] { return random.uniform(0.0002, 0.002); };
+        const auto side = [&] { return random.between(0, 1) == 0 ? -1 : 1; };
+        const double x_slope = slope(), z_slope = slope(), deepest = random.uniform(0.00005, 0.0002),
+                     mass = random.uniform(0.3, 3);
+        const int x_side = side(), z_side = side();
+        expect_rest<TypeParam>(box(1, {4, 0.1, 0.1}), box(mass, {0.1, 0.1, 4}), (x_slope + z_slope) * 0.05 - deepest,
+                               {}, x_side * x_slope, z_side * z_slope, i % 3 == 0, 3000);
+    }
+}
+
 TYPED_TEST(Standing, bodies_meet_a_new_plane) {
     this->expect_same(this->waits, [](auto& play) {
         PlaneSpec wall;

@@ -51,7 +51,7 @@ public:
     [[nodiscard]] bool overlap() const {
         bool any = false;
         pairs_.for_each(island_, [&](const Pair& pair) {
-            any = any || (pair.count > 0 && Bounds::is_overlap(pair.gap, shapes_.tolerance()));
+            any = any || pair.any_gap([&](Length gap) { return Bounds::is_overlap(gap, shapes_.tolerance()); });
         });
         return any;
     }

@@ -261,15 +261,9 @@ public:
     }
     // Finds the contact points of a measured pair that touches: those within the tolerance, and points of a rim that
     // may come as near in a step. Points of the step before keep their impulses for the warm start.
-    void find(const Bodies& bodies, Pair& pair) { find<false>(bodies, pair, tolerance_); }
-    // The same of points within a larger band. Of two edges also points of the faces beside them.
-    void find_within(const Bodies& bodies, Pair& pair, Length band) requires(features.bounded_steps) {
-        find<true>(bodies, pair, band);
-    }
-
-private:
-    template <bool wide>
-    void find(const Bodies& bodies, Pair& pair, Length band) {
+    void find(const Bodies& bodies, Pair& pair) { find_within(bodies, pair, tolerance_); }
+    // The same of points within another band.
+    void find_within(const Bodies& bodies, Pair& pair, Length band) {
         if (pair.gap > band) {
             pair.count = 0;
             return;
@@ -281,9 +275,7 @@ private:
             with_pair(bodies, pair, true, Length{}, [&](const auto& contact, const auto& view, bool reversed) {
                 if constexpr (features.boxes)
                     if (pair.axis.idle) return;
-                if constexpr (wide && requires { contact.find_beside(view, found, band); })
-                    contact.find_beside(view, found, band);
-                else contact.find(view, found, band);
+                contact.find(view, found, band);
                 if (reversed) {
                     for (int i = 0; i < found.count; ++i) {
                         const Vec3<Length> arm = found.point[i].arm;
@@ -297,6 +289,8 @@ private:
         }
         take(pair, found);
     }
+
+private:
     // How far a point of a rim moves in a step at most across the plane of the rim. A coin that rattles changes the
     // point on which it stands within a step: the force at one point does not keep the others up.
     [[nodiscard]] Length fall_of_rim([[maybe_unused]] const Bodies& bodies, [[maybe_unused]] int b) const {

@@ -168,6 +168,13 @@ struct Pair {
         if constexpr (features.friction) return has_friction ? 3 : 1;
         else return 1;
     }
+    // Whether f(gap) is true of a point. The pair itself may be deeper: by a vertex that is beside the other's face.
+    template <class F>
+    [[nodiscard]] bool any_gap(F&& f) const {
+        bool any = false;
+        for (int i = 0; i < count; ++i) any = any || f(point[i].gap);
+        return any;
+    }
     // A step makes no row anew while the bodies stay where they are. It makes those of a surface that moves.
     [[nodiscard]] bool rows_are_valid() const {
         bool valid = count > 0 && !surface_moves;

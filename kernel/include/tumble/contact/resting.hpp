@@ -117,7 +117,7 @@ public:
     [[nodiscard]] bool is_lifted() const {
         bool lifts = false;
         pairs_.for_each(island_, [&](const Pair& pair) {
-            lifts = lifts || (pair.count > 0 && Bounds::is_lifted(pair.gap, shapes_.tolerance()));
+            lifts = lifts || pair.any_gap([&](Length gap) { return Bounds::is_lifted(gap, shapes_.tolerance()); });
         });
         return lifts;
     }

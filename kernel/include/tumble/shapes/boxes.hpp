@@ -101,15 +101,17 @@ public:
         }
         return false;
     }
+    // The points of the axis. Of two edges also those of the faces that look most along their normal: where the bodies
+    // turn or slide off the edges, these touch next, and where bodies lie across each other, they hold them. Their gaps
+    // are along the normal, from below.
     void find(const PairView<N>& view, Manifold<N>& found, Length band) const {
-        if (axis.index >= 6) find_on_edges(view, found);
-        else find_on_faces(view, found, band, axis);
+        if (axis.index < 6) return find_on_faces(view, found, band, axis);
+        find_on_edges(view, found);
+        find_beside(view, found, band);
     }
-    // The same, and of two edges also the points of the faces that look most along their normal: where the bodies turn
-    // or slide off the edges, these touch next. Their gaps are along the normal, from below.
+
+private:
     [[gnu::noinline]] void find_beside(const PairView<N>& view, Manifold<N>& found, Length band) const {
-        find(view, found, band);
-        if (axis.index < 6) return;
         int face = 0;
         Unit along{};
         for (int i = 0; i < 6; ++i) {
@@ -130,8 +132,6 @@ public:
             found.add() = point;
         }
     }
-
-private:
     struct Vertex {
         Length u, v, gap;  // in the plane of the face, and above it
     };
