@@ -241,6 +241,31 @@ TYPED_TEST(Standing, planks_come_to_rest_across_each_other) {
     }
 }
 
+// A plank falls on two trestles that stand apart, and lies on them.
+TYPED_TEST(Standing, a_plank_on_two_fixed_boxes_comes_to_rest) {
+    Random random{3};
+    for (int i = 0; i < 16; ++i) {
+        Player<Ground<TypeParam, 11>> play{Town<TypeParam, 11>::spec()};
+        EXPECT_TRUE(play.world().add(PlaneSpec{}));
+        for (const double x : {-0.5, 0.5}) {
+            BodySpec trestle = box(1, {random.uniform(0.1, 0.4), 0.5, random.uniform(0.2, 0.6)});
+            trestle.fixed = true;
+            trestle.orientation = rotation_about({0, 1, 0}, random.uniform(-1, 1));
+            (void)play.add(trestle, {x, 0.25, 0});
+        }
+        BodySpec plank = box(random.uniform(0.3, 3), {random.uniform(1.3, 2), 0.1, random.uniform(0.1, 0.5)});
+        plank.orientation = rotation_about({0, 1, 0}, random.uniform(-0.1, 0.1)) *
+                            rotation_about({0, 0, 1}, random.uniform(-0.001, 0.001));
+        const BodyId id = play.add(plank, {random.uniform(-0.1, 0.1), 0.55 + random.uniform(0.001, 0.005), 0});
+        play.run(2000);
+        const auto last = play.hashes().back();
+        play.run(20);
+        for (std::size_t k = 1; k <= 20; ++k) ASSERT_EQ(play.hashes()[play.hashes().size() - k], last) << i;
+        EXPECT_TRUE(play.world().status().ok()) << i;
+        EXPECT_NEAR(static_cast<double>(play.world().position(id).y), 0.55, 0.0003);
+    }
+}
+
 TYPED_TEST(Standing, bodies_meet_a_new_plane) {
     this->expect_same(this->waits, [](auto& play) {
         PlaneSpec wall;

@@ -198,12 +198,13 @@ private:
         pair.gap = edge[box].gap[side];
         pair.normal = shapes_.normal_of_surface(pair, normal);
     }
-    // Whether a direction in the axes of the box has a part along axis i: over the body it makes more than the
-    // tolerance.
+    // Whether a direction in the axes of the box has a part along axis i: over the body, or over the box where that is
+    // smaller, it makes more than the tolerance. A long body that rocks on a box does not lean on its side.
     [[nodiscard]] bool leans(const Edge& edge, const Vec3<Unit>& direction, int i) const {
         const Unit part = magnitude_of(direction[i]);
         if (is_ball(edge.body)) return part > C::flat();
-        return narrow<Length>(mul(part, edge.extent[i])) > shapes_.tolerance();
+        const Length smaller = edge.extent[i] < edge.half[i] ? edge.extent[i] : edge.half[i];
+        return narrow<Length>(mul(part, smaller)) > shapes_.tolerance();
     }
     // Whether there are other faces than `side` of the box that look at the body, and neighbours that are flush with
     // `side` cover all of them. `normal`: along which the pair was found apart.

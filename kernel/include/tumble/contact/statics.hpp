@@ -308,14 +308,19 @@ private:
                     left.note(b, i, -1);
                 }
                 Supports supports;
-                // A lone body is solved as where there are no pairs, which is on one surface.
-                if (!found || b < 0 || left.count[b] < 2 || group.count == 1 || !take_supports(left, b, supports))
+                if (!found || b < 0 || left.count[b] < 2 || is_on_planes_alone() || !take_supports(left, b, supports))
                     continue;
                 found = carry(supports, b);
                 ++solved;
             }
         }
         return found && solved == group.count;
+    }
+    // True of a body that planes carry: it is solved as where there are no pairs, which is on one plane.
+    [[nodiscard]] bool is_on_planes_alone() const requires(features.pairs) {
+        bool all = island_.group.count == 1;
+        pairs_.for_each(island_, [&](const Pair& pair) { all = all && (pair.with_plane() || pair.carriers.none()); });
+        return all;
     }
     // Takes the impulses over, or sets the velocities back.
     [[nodiscard]] bool finish(bool found) {
