@@ -67,10 +67,12 @@ public:
         pairs_.for_each(island_, [&](Pair& pair) { shapes_.find(bodies_, pair); });
     }
     // True where the bodies of all selected pairs come to flat surfaces that stand.
-    [[nodiscard]] bool is_to_flat() const {
+    [[nodiscard]] bool is_to_flat([[maybe_unused]] const SavedMotions<Bodies>& start) const {
         bool all = true;
         if constexpr (features.pairs)
-            pairs_.for_each(island_, [&](const Pair& pair) { all = all && (!pair.selected || is_flat(pair)); });
+            pairs_.for_each(island_, [&](const Pair& pair) {
+                all = all && (!pair.selected || pair.with_plane() || (is_flat(pair) && is_parted_by_face(pair, start)));
+            });
         return all;
     }
     // The gap of the point that is the first at its level, in the flight of this length from `start` to where the
@@ -84,16 +86,15 @@ public:
         pairs_.for_each(
             island_, [&](const Pair& pair) __attribute__((cold)) {
                 if (!pair.selected) return;
-                int k = 0;
-                while (island_.group.id[k] != pair.a) ++k;
-                path_of(pair, k, start, third).for_each_point([&](const GapCurve<N>& gap) __attribute__((cold)) {
-                    if (any && gap.is_above(first)) return;
-                    const auto at = gap.root(root);
-                    if (any && !(at < root)) return;
-                    any = true;
-                    root = at;
-                    first = gap;
-                });
+                path_of(pair, place_of(pair), start, third)
+                    .for_each_point([&](const GapCurve<N>& gap) __attribute__((cold)) {
+                        if (any && gap.is_above(first)) return;
+                        const auto at = gap.root(root);
+                        if (any && !(at < root)) return;
+                        any = true;
+                        root = at;
+                        first = gap;
+                    });
             });
         return first;
     }
@@ -232,10 +233,15 @@ public:
     }
 
 private:
-    // True where body b of the pair is a plane, or a fixed box that stands and has met the other body with the same
-    // face at both ends of the flight: gaps along another direction have another start and another level.
+    // Of body a of a pair in the island.
+    [[nodiscard]] int place_of(const Pair& pair) const {
+        int k = 0;
+        while (island_.group.id[k] != pair.a) ++k;
+        return k;
+    }
+    // True where body b of the pair is a fixed box that stands and has met the other body with the same face at both
+    // ends of the flight: gaps along another direction have another start and another level.
     [[nodiscard]] bool is_flat(const Pair& pair) const {
-        if (pair.with_plane()) return true;
         bool flat = false;
         if constexpr (has_edges) {
             if (pair.moves_b() || pair.surface_moves || !shapes_.shape(pair.b).is(ShapeKind::box)) return false;
@@ -247,6 +253,21 @@ private:
                        magnitude_of(narrow<typename Pair::Unit>(dot(box.axis(i), pair.normal))) > Bounds::along_face();
         }
         return flat;
+    }
+    // True where the plane of that face parts the bodies as far as anything does, at both ends. A box that lies across
+    // the other one has its lowest vertex beside the face.
+    [[nodiscard]] bool is_parted_by_face([[maybe_unused]] const Pair& pair,
+                                         [[maybe_unused]] const SavedMotions<Bodies>& start) const {
+        if constexpr (has_edges) {
+            const auto is_parted = [&](const auto& state, const Axes<N>& axes, Length gap) {
+                const PlaneView<N, features> view{shapes_.shape(pair.a), axes, pair.normal, height(pair, state)};
+                return !(gap > view.gap() + Bounds::resting_gap(shapes_.tolerance()));
+            };
+            const auto& begin = start[place_of(pair)];
+            return is_parted(bodies_.state[pair.a], shapes_.axes(pair.a), pair.gap) &&
+                   is_parted(begin, Axes<N>::of(begin.q_wb.value()), pair.start_gap);
+        }
+        return true;
     }
     // Of the centre of body a of a pair above the flat surface of b.
     [[nodiscard]] Length height(const Pair& pair, const typename Bodies::State& a) const {

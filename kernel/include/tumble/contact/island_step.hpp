@@ -294,7 +294,7 @@ private:
     [[gnu::noinline, gnu::cold]] Work find_impact(const Attempt& attempt, Work longest) {
         motion_.search.select();
         if constexpr (features.pairs)
-            if (!motion_.search.is_to_flat()) return find_by_secant(attempt, longest);
+            if (!motion_.search.is_to_flat(attempt.start)) return find_by_secant(attempt, longest);
         return find_on_path(attempt, longest);
     }
     // Of bodies that come to flat surfaces: where their path meets the level. Each flight moves the path by the gap

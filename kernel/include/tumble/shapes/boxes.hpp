@@ -75,7 +75,9 @@ public:
                 const Length reach = narrow<Length>(mul_add(mul(size[i2][j], h[i1]), size[i1][j], h[i2])) +
                                      narrow<Length>(mul_add(mul(size[i][j2], k[j1]), size[i][j1], k[j2]));
                 const Length separation = C::over_sine(magnitude_of(along) - reach, r[i][j]);
-                if (separation > faces + bias) take(separation, 6 + 3 * i + j, along < Length{});
+                if (!(separation > gap)) continue;
+                gap = separation;
+                if (separation > faces + bias) axis = {static_cast<std::int8_t>(6 + 3 * i + j), along < Length{}};
             }
         }
         if (axis.index < 3) {
