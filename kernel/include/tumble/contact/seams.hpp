@@ -167,6 +167,7 @@ private:
 
     // Chooses the side of a box along which the pair is apart, where neighbours leave one: of several the one that is
     // farthest apart. Where they cover that too, as of two boxes across the corner of four, the pair touches nothing.
+    // The gap stays that of the axis that parts the bodies most: along the side a body may be deep beside the box.
     [[gnu::noinline, gnu::cold]] void choose_side(Pair& pair) const {
         const Edge edge[2] = {edge_of(pair.a, pair.b), edge_of(pair.b, pair.a)};
         int box = -1, side = 0;
@@ -195,7 +196,6 @@ private:
         }
         pair.axis.index = static_cast<std::int8_t>(3 * box + side);
         pair.axis.negative = negative;
-        pair.gap = edge[box].gap[side];
         pair.normal = shapes_.normal_of_surface(pair, normal);
     }
     // Whether a direction in the axes of the box has a part along axis i: over the body, or over the box where that is
