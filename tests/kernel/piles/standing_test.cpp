@@ -266,6 +266,28 @@ TYPED_TEST(Standing, a_plank_on_two_fixed_boxes_comes_to_rest) {
     }
 }
 
+// It falls on the end of a short box that a rail stands beside, flush with it, and rocks there.
+TYPED_TEST(Standing, a_plank_that_rocks_beside_a_seam_comes_to_rest) {
+    Random random{4};
+    for (int i = 0; i < 12; ++i) {
+        Player<Ground<TypeParam, 11>> play{Town<TypeParam, 11>::spec()};
+        BodySpec block = box(1, {0.76, 0.15, 0.35}), rail = box(1, {0.1, 0.25, 2.75});
+        block.fixed = rail.fixed = true;
+        block.orientation = rotation_about({0, 1, 0}, random.uniform(0.5, 0.9));
+        (void)play.add(block, {0, 0.425, -0.025});
+        (void)play.add(rail, {0.45, 0.375, -0.05});
+        BodySpec plank = box(random.uniform(0.3, 10), {0.28, 0.27, random.uniform(1.2, 2)});
+        plank.orientation = rotation_about({1, 0, 0}, random.uniform(-0.003, 0.003)) *
+                            rotation_about({0, 0, 1}, random.uniform(-0.003, 0.003));
+        (void)play.add(plank,
+                       {random.uniform(0.1, 0.16), 0.635 + random.uniform(0.002, 0.006), random.uniform(-0.01, 0.01)});
+        play.run(4000);
+        const auto last = play.hashes().back();
+        play.run(20);
+        for (std::size_t k = 1; k <= 20; ++k) ASSERT_EQ(play.hashes()[play.hashes().size() - k], last) << i;
+    }
+}
+
 TYPED_TEST(Standing, bodies_meet_a_new_plane) {
     this->expect_same(this->waits, [](auto& play) {
         PlaneSpec wall;
