@@ -3,6 +3,7 @@
 #include "player.hpp"
 #include "random.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tumble::test::bodies_that_stand {
@@ -190,6 +191,15 @@ TYPED_TEST(Standing, bodies_move_on_after_a_snapshot) {
         play.world().apply_impulse(play.boxes[4], {0, 0, 3});
     });
 }
+// True where nothing has changed for 20 steps after `steps`.
+template <class Play>
+bool rests_after(Play& play, int steps) {
+    play.run(steps);
+    const auto last = play.hashes().back();
+    play.run(20);
+    const auto& hashes = play.hashes();
+    return std::all_of(hashes.end() - 20, hashes.end(), [&](auto hash) { return hash == last; });
+}
 // A box is laid aslant on another one, which lies on the ground or is fixed. Soon nothing changes any more.
 template <class N>
 void expect_rest(const BodySpec& lower, BodySpec upper, Real height, const RealVec3& place, Real x_slope, Real z_slope,
@@ -204,10 +214,7 @@ void expect_rest(const BodySpec& lower, BodySpec upper, Real height, const RealV
     const RealVec3 above{0, half * 2 - depth + upper.shape.size.y * 0.5 + height, 0};
     const BodyId b = play.add(upper, place + above);
     const auto start = play.world().position(b);
-    play.run(steps);
-    const auto last = play.hashes().back();
-    play.run(20);
-    for (std::size_t i = 1; i <= 20; ++i) ASSERT_EQ(play.hashes()[play.hashes().size() - i], last);
+    ASSERT_TRUE(rests_after(play, steps));
     EXPECT_TRUE(play.world().status().ok());
     for (int i = 0; i < 3; ++i)
         EXPECT_NEAR(static_cast<double>(play.world().position(b)[i]), static_cast<double>(start[i]), 0.0003);
@@ -262,10 +269,7 @@ TYPED_TEST(Standing, a_plank_on_two_fixed_boxes_comes_to_rest) {
         BodySpec plank = box(mass, {length, 0.1, width});
         plank.orientation = rotation_about({0, 1, 0}, yaw) * rotation_about({0, 0, 1}, tilt);
         const BodyId id = play.add(plank, {at, 0.55 + height, 0});
-        play.run(2000);
-        const auto last = play.hashes().back();
-        play.run(20);
-        moving += play.hashes().back() == last ? 0 : 1;
+        moving += rests_after(play, 2000) ? 0 : 1;
         EXPECT_TRUE(play.world().status().ok()) << i;
         EXPECT_NEAR(static_cast<double>(play.world().position(id).y), 0.55, 0.0003);
     }
@@ -289,10 +293,7 @@ TYPED_TEST(Standing, a_plank_that_rocks_beside_a_seam_comes_to_rest) {
         BodySpec plank = box(mass, {0.28, 0.27, length});
         plank.orientation = rotation_about({1, 0, 0}, lean) * rotation_about({0, 0, 1}, tilt);
         (void)play.add(plank, {x, 0.635 + height, z});
-        play.run(4000);
-        const auto last = play.hashes().back();
-        play.run(20);
-        for (std::size_t k = 1; k <= 20; ++k) ASSERT_EQ(play.hashes()[play.hashes().size() - k], last) << i;
+        ASSERT_TRUE(rests_after(play, 4000)) << i;
     }
 }
 
