@@ -9,6 +9,12 @@ CORES := $(shell awk '/^[^\#]/ { print $$1 }' port/boards.txt)
 TESTED_CORES := $(shell awk -v targets="$(TARGETS)" '/^[^\#]/ && ($$10 == "quick" || targets ~ $$10) { print $$1 }' port/boards.txt)
 DEEP_CORES := $(shell awk '/^[^\#]/ && $$10 == "deep" { print $$1 }' port/boards.txt)
 JOBS  := $(shell nproc)
+# Configures a build directory: build/host is optimised by -O2, others as their tool chains and tests say.
+configure = cmake -G Ninja -B build/$(1) -DCMAKE_EXPORT_COMPILE_COMMANDS=ON $(2) > /dev/null
+RELEASE := -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE=-O2
+SANITIZED := -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_FLAGS_DEBUG=-g1 -DCMAKE_CXX_FLAGS="-fsanitize=address,undefined \
+    -fno-sanitize-recover=all -fno-omit-frame-pointer -Wno-unknown-warning-option"
+core_of = --toolchain $(CURDIR)/port/toolchain.cmake -DTUMBLE_CORE=$(1)
 # With --keep-going a build goes on where a file does not compile.
 KEEP_GOING := $(if $(findstring k,$(firstword -$(MAKEFLAGS))),-- -k 0)
 SCENE ?= host_sim/scenes/cube.toml
@@ -60,7 +66,7 @@ $(CORES:%=firmware-%): firmware-%: host-tests configured-%
 $(DEEP_CORES:%=configured-%): deep-setup
 $(CORES:%=configured-%): configured-%:
 	@grep -qs '=$(CURDIR)/port/toolchain.cmake$$' build/$*/CMakeCache.txt || { rm -rf build/$*/CMakeCache.txt build/$*/CMakeFiles; \
-	    TUMBLE_CORE=$* cmake --preset firmware > /dev/null; }
+	    $(call configure,$*,$(call core_of,$*)); }
 
 ## replay: run a scene on the host: make replay SCENE=path ARGS="--integrator rk4 --json"
 replay: build/host/build.ninja
@@ -119,7 +125,7 @@ api:
 ## page: the page on which scenes are seen and hit, build/page/tumble.html: one file that any browser opens
 page: setup
 	@port/setup page
-	@TUMBLE_CORE=wasm32 cmake --preset firmware > /dev/null
+	@$(call configure,wasm32,$(call core_of,wasm32))
 	@cmake --build build/wasm32 --target page
 	@echo "$(CURDIR)/build/page/tumble.html"
 
@@ -141,7 +147,7 @@ golden: build/host/build.ninja
 check: setup
 	port/setup format
 	port/setup engines
-	cmake --preset host -DTUMBLE_BENCH_HOST=ON > /dev/null
+	$(call configure,host,$(RELEASE) -DTUMBLE_BENCH_HOST=ON)
 	@failed=; for part in firmware deep-tests sanitize tables-are-true api; do \
 	    $(MAKE) --keep-going TARGETS="all deep" $$part || failed="$$failed $$part"; \
 	done; test -z "$$failed" || { echo "make check: failed in$$failed"; exit 1; }
@@ -175,7 +181,7 @@ tolerances: build/host/build.ninja
 # is not judged, because kernel_tests has other number systems and methods there.
 UNSANITIZED := ^(kernel\.tolerances_are_used|a_project_|a_firmware_as_|VerdictOfRun\.a_check_that_is_ended)
 sanitize: deep-setup
-	@test -f build/sanitize/build.ninja || cmake --preset host-debug-sanitize > /dev/null
+	@test -f build/sanitize/build.ninja || $(call configure,sanitize,$(SANITIZED))
 	@cmake --build build/sanitize --target all quick $(KEEP_GOING)
 	ctest --test-dir build/sanitize --output-on-failure --no-tests=error -j $(JOBS) -LE "qemu|compilers|deep" -E "$(UNSANITIZED)"
 
@@ -191,5 +197,5 @@ deep-setup:
 clean:
 	rm -rf build
 
-build/host/build.ninja: CMakeLists.txt CMakePresets.json | setup
-	@cmake --preset host > /dev/null
+build/host/build.ninja: CMakeLists.txt | setup
+	@$(call configure,host,$(RELEASE))
