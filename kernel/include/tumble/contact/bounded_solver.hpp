@@ -49,11 +49,7 @@ public:
     };
     // Whether an overlap is to be corrected.
     [[nodiscard]] bool overlap() const {
-        bool any = false;
-        pairs_.for_each(island_, [&](const Pair& pair) {
-            any = any || pair.any_gap([&](Length gap) { return Bounds::is_overlap(gap, shapes_.tolerance()); });
-        });
-        return any;
+        return pairs_.any_gap(island_, [&](Length gap) { return Bounds::is_overlap(gap, shapes_.tolerance()); });
     }
     // Writes what contacts change in the step into `forces`. Returns Touch::nothing or Touch::rests. `only_at_rest`:
     // nothing is computed unless the island is at rest.

@@ -170,6 +170,13 @@ public:
     void for_each(const Island& island, F&& f) const {
         each(*this, island, f);
     }
+    // Whether is_such(gap) is true of a point of the island.
+    template <class F>
+    [[nodiscard]] bool any_gap(const Island& island, F&& is_such) const {
+        bool any = false;
+        for_each(island, [&](const Pair& pair) { any = any || pair.any_gap(is_such); });
+        return any;
+    }
     // Calls f for all pairs.
     template <class F>
     void for_each_pair(F&& f) const {

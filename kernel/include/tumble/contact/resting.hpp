@@ -115,11 +115,7 @@ public:
 
     // Whether a penetration is to be corrected.
     [[nodiscard]] bool is_lifted() const {
-        bool lifts = false;
-        pairs_.for_each(island_, [&](const Pair& pair) {
-            lifts = lifts || pair.any_gap([&](Length gap) { return Bounds::is_lifted(gap, shapes_.tolerance()); });
-        });
-        return lifts;
+        return pairs_.any_gap(island_, [&](Length gap) { return Bounds::is_lifted(gap, shapes_.tolerance()); });
     }
     // True where the last solution is that of this step too: nothing has changed since the island was at rest, and the
     // loads are those that the forces have cancelled. `corrects`: penetrations are to be corrected.

@@ -288,6 +288,7 @@ private:
         }
         for (int k = 0; k < group.count; ++k) is_leaf[group.id[k]] = left.count[group.id[k]] == 1;
         if (!slow && !are_slow([&](int b) { return !is_leaf[b]; })) return false;
+        const bool on_planes = is_on_planes_alone();
         int solved = 0;
         bool found = true;
         for (int before = -1; found && before < solved && solved < group.count;) {
@@ -308,8 +309,7 @@ private:
                     left.note(b, i, -1);
                 }
                 Supports supports;
-                if (!found || b < 0 || left.count[b] < 2 || is_on_planes_alone() || !take_supports(left, b, supports))
-                    continue;
+                if (!found || b < 0 || left.count[b] < 2 || on_planes || !take_supports(left, b, supports)) continue;
                 found = carry(supports, b);
                 ++solved;
             }

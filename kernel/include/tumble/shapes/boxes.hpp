@@ -47,16 +47,11 @@ public:
             }
         }
         const auto column = [](const Vec3<Unit>(&m)[3], int j) { return Vec3<Unit>{m[0][j], m[1][j], m[2][j]}; };
-        bool first = true;
-        const auto take = [&](Length separation, int index, bool negative) {
-            if (!first && !(separation > gap)) return;
-            first = false;
-            gap = separation;
-            axis = {static_cast<std::int8_t>(index), negative};
-        };
         const auto take_face = [&](Length separation, int index, bool negative) {
             apart_[index] = separation;
-            take(separation, index, negative);
+            if (index > 0 && !(separation > gap)) return;
+            gap = separation;
+            axis = {static_cast<std::int8_t>(index), negative};
         };
         for (int i = 0; i < 3; ++i)
             take_face(magnitude_of(t[i]) - h[i] - narrow<Length>(dot(size[i], k)), i, t[i] < Length{});
