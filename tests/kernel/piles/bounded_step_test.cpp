@@ -20,7 +20,7 @@ struct Piles : Scene {
     static constexpr Features features = [] {
         Features all = touching(16, 5);
         all.near_pairs = 140;
-        all.sleep = all.kinematic = all.contact_readout = true;
+        all.sleep = all.kinematic = all.turntables = all.contact_readout = true;
         all.bounded_steps = bounded;
         all.exact_steps = exact;
         return all;
@@ -47,11 +47,11 @@ protected:
         plane.offset = offset;
         return plane;
     }
-    static void add_pit(auto& world) {
+    static void add_pit(auto& world, double half_width = 1) {
         EXPECT_TRUE(world.add(wall(0, 1, 0, 0)));
         for (const double side : {1.0, -1.0}) {
-            EXPECT_TRUE(world.add(wall(side, 0, 0, 1)));
-            EXPECT_TRUE(world.add(wall(0, 0, side, 1)));
+            EXPECT_TRUE(world.add(wall(side, 0, 0, half_width)));
+            EXPECT_TRUE(world.add(wall(0, 0, side, half_width)));
         }
     }
     // Bodies of up to this ratio of masses, turned and thrown about. Cubes and balls keep the energy of their spin to
@@ -211,6 +211,38 @@ TYPED_TEST(BoundedSteps, bring_what_falls_into_a_pit_to_rest) {
         EXPECT_TRUE(this->stands(world)) << scene;
     }
 }
+
+#ifdef TUMBLE_EVERY_KIND
+template <class N>
+struct LargePit : Scene {
+    using Numbers = N;
+    static constexpr Features features = [] {
+        Features all = touching(50, 5);
+        all.near_pairs = 400;
+        all.bounded_steps = true;
+        return all;
+    }();
+};
+// With few sweeps it creeps for ever.
+TYPED_TEST(BoundedSteps, bring_a_heap_of_fifty_boxes_to_rest) {
+    for (const int rate : {60, 128}) {
+        for (std::uint64_t seed = 0; seed < 4; ++seed) {
+            Random random{seed};
+            tumble::World<LargePit<TypeParam>> world{Seconds{1, rate}, this->with(0, 0, 0.5)};
+            this->add_pit(world, 1.5);
+            for (int i = 0; i < 50; ++i) {
+                const auto part = [&] { return random.uniform(-1, 1); };
+                BodySpec body = box(1, {0.5, 0.5, 0.5});
+                body.position = {(i % 3 - 1) * 0.95, 0.6 + 0.95 * std::floor(i / 9), (i / 3 % 3 - 1) * 0.95};
+                body.orientation = {1, {part(), part(), part()}};
+                ASSERT_TRUE(world.add(body));
+            }
+            for (int step = 0; step < rate * 8; ++step) (void)world.step();
+            for (int b = 0; b < 50; ++b) ASSERT_EQ(norm(this->in_doubles(world.velocity(BodyId{b}))), 0) << seed;
+        }
+    }
+}
+#endif
 
 TYPED_TEST(BoundedSteps, let_what_was_held_go_on) {
     typename TestFixture::World world{Seconds{1, 60}, this->with(0, 0, 0.5)};
@@ -497,6 +529,29 @@ TYPED_TEST(BoundedSteps, carry_a_stack_on_what_moves) {
     const Vector x = this->place(world, BodyId{1}) - this->place(world, carrier);
     EXPECT_LE(std::abs(x.x - 0.25 / this->g), 0.01L);
     EXPECT_TRUE(this->stands(world));
+}
+
+// Matched to the surface at the start, so that nothing slips.
+TYPED_TEST(BoundedSteps, keep_a_stack_on_its_circle_on_what_turns) {
+    for (const double spin : {-2.0, 1.0, 2.0}) {
+        for (const bool kinematic : {false, true}) {
+            typename TestFixture::World world{Seconds{1, 60}, this->with(0, 0, 0.625)};
+            BodySpec table = box(1, {4, 0.5, 4});
+            (kinematic ? table.kinematic : table.fixed) = true;
+            table.position = {0, -0.25, 0};
+            table.angular_velocity = {0, spin, 0};
+            (void)world.add(table);
+            for (int i = 0; i < 3; ++i)
+                (void)world.add(
+                    at(box(1 + i, {0.25, 0.25, 0.25}), {0.5, 0.125 + 0.25 * i, 0}, {0, 0, -0.5 * spin}, {0, spin, 0}));
+            for (int step = 0; step < 240; ++step) (void)world.step();
+            for (int b = 1; b < 4; ++b) {
+                const Vector x = this->place(world, BodyId{b});
+                EXPECT_LE(std::abs(std::hypot(x.x, x.z) - 0.5L), 0.001L)
+                    << spin << (kinematic ? ", kinematic, " : ", ") << b;
+            }
+        }
+    }
 }
 
 // A surface that moves does work.

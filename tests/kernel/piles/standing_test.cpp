@@ -276,6 +276,26 @@ TYPED_TEST(Standing, a_plank_on_two_fixed_boxes_comes_to_rest) {
     EXPECT_LE(moving, 4);
 }
 
+// Nothing of a groove is level, so its two forces are not known one by one: a ball or a box lies in it, or leans on a
+// wall.
+TYPED_TEST(Standing, a_body_on_two_planes_comes_to_rest) {
+    Random random{5};
+    const auto draw = [&](double low, double high) { return random.uniform(low, high); };
+    for (int i = 0; i < 24; ++i) {
+        Player<Ground<TypeParam, 11>> play{Town<TypeParam, 11>::spec()};
+        const double slope = draw(0.3, 1.2), other = i % 2 == 0 ? slope : draw(0.3, 1.2), turn = draw(0, 3);
+        for (const double side : {-slope, other}) {
+            PlaneSpec plane;
+            plane.normal = {std::sin(side) * std::cos(turn), std::cos(side), std::sin(side) * std::sin(turn)};
+            EXPECT_TRUE(play.world().add(plane));
+        }
+        const double mass = draw(0.3, 10), height = draw(0.3, 0.5);
+        if (i % 3 == 0) (void)play.add(sphere(mass, Real{0.125}), {0, Real{height}, 0});
+        else (void)play.add(box(mass, {0.25, 0.375, 0.5}), {0, Real{height + 0.2}, 0});
+        EXPECT_TRUE(rests_after(play, 2000)) << i;
+    }
+}
+
 // It falls on the end of a short box that a rail stands beside, flush with it, and rocks there.
 TYPED_TEST(Standing, a_plank_that_rocks_beside_a_seam_comes_to_rest) {
     Random random{4};

@@ -37,17 +37,33 @@ TEST_P(Restitution, the_threshold_applies_to_the_relative_speed_of_two_bodies) {
     }
 }
 
-// A ball lands 0.95 of a step after its release. Its bounce would last 2 e v / g: more or less than an eighth of a
+// A ball lands 0.95 of a step after its release. Its bounce would last 2 e v / g: more or less than the rest of the
 // step.
-TEST_P(Restitution, a_bounce_shorter_than_an_eighth_of_a_step_is_suppressed) {
+TEST_P(Restitution, a_bounce_that_would_end_within_its_step_is_the_last) {
     constexpr Number h = 1.0L / 16, landing = 0.95L * h;
-    for (const Number share : {0.0625L, 0.115L, 0.135L, 0.1875L}) {
+    for (const Number share : {0.02L, 0.045L, 0.055L, 0.1875L}) {
         const Number speed = g * landing, restitution = share * g * h / (2 * speed);
         SceneSetup setup = floor(restitution, 0, {placed(sphere(1, 0.5), {0, 0.5L + g * landing * landing / 2, 0})});
         setup.step = Seconds{1, 16};
         const auto world = run(setup, 1);
-        const Number left = share > 0.125L ? restitution * speed - g * (h - landing) : 0;
+        const Number left = h * share > h - landing ? restitution * speed - g * (h - landing) : 0;
         EXPECT_LE(std::abs(world->motion(0).v.y - left), tolerance::brief_bounce * speed) << share << " of a step";
+    }
+}
+
+// The last bounces are shorter than a step, and as high as the tolerance.
+TEST_P(Restitution, a_ball_that_bounces_comes_to_rest_on_the_floor) {
+    for (const Number restitution : {0.5L, 0.8L, 0.95L}) {
+        for (const int rate : {30, 50}) {
+            for (const Number height : {0.003L, 0.1L}) {
+                SceneSetup setup = floor(restitution, 0.5L, {placed(sphere(1, 0.125), {0, 0.125L + height, 0})});
+                setup.step = Seconds{1, rate};
+                const auto world = run(setup, rate * 10);
+                const Motion m = world->motion(0);
+                EXPECT_LE(m.x.y - 0.125L, tolerance::contact_band) << restitution << ", " << rate << ", " << height;
+                EXPECT_EQ(norm(m.v), 0) << restitution << ", " << rate << ", " << height;
+            }
+        }
     }
 }
 

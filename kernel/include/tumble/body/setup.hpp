@@ -151,8 +151,8 @@ struct JointSpring {
 // The response of contacts: nothing, impulses (with restitution and friction), or springs.
 enum class ContactResponse : std::uint8_t { none, impulse, spring };
 
-// How the values of the two sides of a contact make one. A side without a value has the world's; but of restitutions
-// that mix by `larger` it has none where the other side has one.
+// How the values of the two sides of a contact make one. A side without a value uses the world's. Restitutions that mix
+// by `larger` are an exception: there it is ignored if the other side has a value.
 enum class Mixing : std::uint8_t { larger, smaller, mean, geometric_mean, product };
 
 // An island falls asleep when all its bodies have been slower than these speeds for the given time.

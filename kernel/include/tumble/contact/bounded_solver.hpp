@@ -64,11 +64,12 @@ public:
         if (only_at_rest && lifts) return Touch::nothing;
         Work part(1);
         for (int i = 0; i < halvings_; ++i) part = N::half_of(part);
-        if constexpr (features.kinematic) rows_.look_ahead(part);
+        // Bodies go through the step as fast as at its end, so on a surface that turns they follow its middle.
+        if constexpr (features.moving_surfaces()) rows_.look_ahead(N::half_of(part), true);
         const bool same = rows_.template set_velocities<&Bounds::correction>(loads, part, whole, lifts);
-        const bool fast = set_targets(same);
+        is_slow_ = !set_targets(same);
         const bool found =
-            whole && !fast &&
+            whole && is_slow_ &&
             Statics<N, spin, features>{shapes_, pairs_, velocities_, bodies_, island_, true}.solve(only_at_rest);
         if (found) {
             velocities_.write(forces, bodies_, shapes_.weights(), island_.group, &loads);
@@ -168,13 +169,15 @@ private:
         point.row[0].target =
             Rows::surface_of(pair, point) + narrow<Speed>(mul(approach, pair.restitution)) + approach - loaded;
     }
-    // Fewer sweeps of more points, so that the time of a step grows with the pairs; as many in every number system.
-    // Sweeps may be far from done where a light body is under heavy ones. Surfaces have the last word: nothing goes
-    // through them.
+    // Where something is fast, fewer sweeps of more points, so that the time of a step grows with the pairs; as many in
+    // every number system. Where nothing is, those of the forces of a step: with fewer a heap creeps on for ever, since
+    // what each step leaves of a load moves the points that the next one begins from. Sweeps may be far from done where
+    // a light body is under heavy ones. Surfaces have the last word: nothing goes through them.
     void sweep() {
-        const int most = faces_ ? contact::face_sweeps
-                                : detail::clamp(contact::bounded_visits / points_, contact::least_bounded_sweeps,
-                                                contact::max_sweeps);
+        const int most = faces_     ? contact::face_sweeps
+                         : is_slow_ ? contact::max_sweeps
+                                    : detail::clamp(contact::bounded_visits / points_, contact::least_bounded_sweeps,
+                                                    contact::max_sweeps);
         (void)rows_.sweep({velocities_.scale.enough_at_rest(), most, most});
         rows_.sweep_surfaces(false);
     }
@@ -298,8 +301,9 @@ private:
     int halvings_;
     int points_ = 0;
     bool bounces_ = false;
-    bool faces_ = false;   // nothing touches but faces
-    bool closes_ = false;  // a point comes to its surface or leaves it, or the surface moves
+    bool is_slow_ = false;  // no point comes faster than what settles, and none bounces
+    bool faces_ = false;    // nothing touches but faces
+    bool closes_ = false;   // a point comes to its surface or leaves it, or the surface moves
 };
 
 }  // namespace tumble

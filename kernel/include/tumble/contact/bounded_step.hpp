@@ -59,9 +59,11 @@ private:
             any = any || motion_.contacts.at_rest.was_at_rest(motion_.island.group.id[k]);
         if (any) motion_.find_near_pairs([](int) { return true; });
     }
-    // True where bodies that have not moved for a while only tremble, under gravity alone.
+    // True where bodies that have not moved for a while only tremble, under gravity alone, and overlap by no more than
+    // at rest.
     [[nodiscard]] bool tremble(const Changes& changes) const {
-        bool all = changes.trembles && motion_.contacts.watch.are_at_rest(motion_.bodies, motion_.island.group);
+        bool all = changes.trembles && !motion_.contacts.solution.lifts &&
+                   motion_.contacts.watch.are_at_rest(motion_.bodies, motion_.island.group);
         for (int k = 0; k < motion_.island.group.count; ++k)
             all = all && motion_.contacts.marks[motion_.island.group.id[k]].none();
         motion_.contacts.pairs.for_each(motion_.island, [&](const Pair& pair) { all = all && !pair.surface_moves; });

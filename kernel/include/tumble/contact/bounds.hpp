@@ -23,7 +23,7 @@ inline constexpr int max_supports = 4;
 inline constexpr int max_sweeps = 32;
 // Visits of points by the sweeps of a bounded step. A stack of ten boxes gets 20 sweeps.
 inline constexpr int bounded_visits = 800;
-// The fewest of these sweeps: with 12 a heap of 100 boxes takes twice as long to come to rest.
+// The fewest of these sweeps.
 inline constexpr int least_bounded_sweeps = 16;
 // Sweeps of a bounded step in which only faces touch.
 inline constexpr int face_sweeps = 24;
@@ -168,8 +168,6 @@ struct ContactBounds {
         for (int i = 0; i < 6; ++i) motion = C::eighth(motion);
         return motion;
     }
-    // A bounce lasts 2 v / a. It is the last where that is below an eighth of a step; `loads` is a step's a.
-    [[nodiscard]] static bool bounce_lasts(Speed bounce, Speed loads) { return bounce + bounce > C::eighth(loads); }
     // A bounce that is left out is told from this part of the fastest approach of its step on, as weighted speeds. A
     // collapse in which each impact leaves less than half of the approach is slower after max_impacts.
     [[nodiscard]] static Work left_by_collapse(Work fastest) {

@@ -18,7 +18,6 @@ public:
     using Pair = typename NarrowPhase::Pair;
     using C = typename NarrowPhase::C;
     using Length = typename NarrowPhase::Length;
-    using Work = typename N::Work;
     using PairList = tumble::PairList<N, features>;
     using Sleepers = tumble::Sleepers<N, spin, features>;
     using Times = ClearTimes<N, features>;

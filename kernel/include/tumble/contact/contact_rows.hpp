@@ -54,8 +54,12 @@ public:
         make_room_for_surfaces();
         return velocities_.set(bodies_, shapes_.weights(), island_.group, loads, part, whole);
     }
-    // The part of a step after which kinematic bodies are where the rows act: none in an impact.
-    void look_ahead(Work part) requires(features.kinematic) { ahead_ = part; }
+    // The part of a step after which kinematic bodies are where the rows act: none in an impact. `turntables`: bodies
+    // on these, too. Others are on them where they are at the end of the step.
+    void look_ahead(Work part, bool turntables = false) requires(features.moving_surfaces()) {
+        ahead_ = part;
+        turntables_ahead_ = turntables;
+    }
     // The part of a step in the middle of which the rows act; none of an impact, and where kicks act at one end.
     void act_in_middle(Work part) requires(has_edges) { half_ = N::half_of(part); }
     // Makes the rows of a pair's points anew where these or the bodies have moved. Sets the targets of the rows to the
@@ -767,15 +771,15 @@ private:
             }
             WorkVec3<N> place = shapes_.world_arm(pair.b, point.arm_b), own = cross<Work>(turn, along_arm),
                         way = drift_of(pair.a) + along_arm;
-            if constexpr (features.kinematic)
-                if (bodies_.constants[pair.b].kinematic()) {
-                    way = scaled_by(WorkVec3<N>(way - drift_of(pair.b)), ahead_);
-                    own = scaled_by(own, ahead_);
-                }
+            const bool drifts = features.kinematic && bodies_.constants[pair.b].kinematic();
+            if (drifts) way -= drift_of(pair.b);
+            if (drifts || turntables_ahead_) {
+                way = scaled_by(way, ahead_);
+                own = scaled_by(own, ahead_);
+            }
             place += way;
             WorkVec3<N> surface = cross<Work>(turn_of(pair.b), place);
-            if constexpr (features.kinematic)
-                if (bodies_.constants[pair.b].kinematic()) surface += drift_of(pair.b);
+            if (drifts) surface += drift_of(pair.b);
             const WorkVec3<N> direction = work_unit<N>(k == 0 ? pair.normal : pair.tangent[k - 1]);
             const Work speed = dot(surface, direction);
             return (k == 0 || velocities_.turns(pair.a) ? speed : speed - dot(own, direction)) * pair.weight;
@@ -796,7 +800,8 @@ private:
     Velocities& velocities_;
     const Bodies& bodies_;
     const Island& island_;
-    [[no_unique_address]] If<features.kinematic, Work, 0> ahead_{};
+    [[no_unique_address]] If<features.moving_surfaces(), Work, 0> ahead_{};
+    [[no_unique_address]] If<features.moving_surfaces(), bool, 3> turntables_ahead_{};
     [[no_unique_address]] If<has_edges, Work, 1> half_{};
     [[no_unique_address]] If<Pair::has_faces, bool, 2> faces_{};
 };

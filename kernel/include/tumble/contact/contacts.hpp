@@ -462,7 +462,7 @@ private:
         if constexpr (features.turntables)
             state_.pairs.for_each(island, [&](const auto& pair) { at_rest = at_rest && !pair.surface_moves; });
         at_rest = at_rest && advance.bodies.status.count == reports;
-        // It looks for nothing any more, and the others may have left that to it.
+        // From now on it starts no search, and bodies near it may have counted on its search in this step.
         if constexpr (features.grid())
             for (int k = 0; at_rest && k < group.count; ++k)
                 if (state_.at_rest.has_looked(group.id[k])) broad_phase(advance.bodies).examine_around(group.id[k]);

@@ -38,7 +38,8 @@ public:
     // bounce together, from the velocities at its start: Newton's law, v' = -e v. A round may let others approach, as
     // an impact passes through a row of balls. Then all points together stop what still approaches. With `stop` nothing
     // bounces. `loads`: over a whole step. `rest`: of the step, after the impact.
-    [[gnu::noinline, gnu::cold]] void resolve(Kicks& loads, bool stop, [[maybe_unused]] Work rest) {
+    [[gnu::noinline, gnu::cold]] void resolve(Kicks& loads, bool stop, Work rest) {
+        rest_ = C::unit(rest);
         (void)rows_.set_velocities(loads, Work(1), true);
         int pairs = 0;
         Speed fastest{};
@@ -117,12 +118,12 @@ private:
         return stays - rows_.velocity(velocities_.now, pair, point) >
                rows_.speed(pair, point, Bounds::resting_gap(shapes_.tolerance()));
     }
-    // True of an approach that bounces: it is faster than the scene's threshold, and the bounce lasts long enough under
-    // the loads.
+    // True of an approach that bounces: it is faster than the scene's threshold, and the bounce lasts longer than the
+    // step under the loads.
     [[nodiscard]] bool bounces(const Pair& pair, const Point& point, Speed approach) const {
         if (!(approach > velocities_.scale.noise())) return false;
         const Speed bounce = narrow<Speed>(mul(approach, pair.restitution));
-        if (!Bounds::bounce_lasts(bounce, point.change_by_loads)) return false;
+        if (!(bounce + bounce > narrow<Speed>(mul(point.change_by_loads, rest_)))) return false;
         if (!(threshold_ > Work(0))) return true;
         return !(approach < Rows::along(point, rows_.pair_speed(pair, threshold_)));
     }
@@ -265,6 +266,7 @@ private:
     const Island& island_;
     Rows rows_;
     Work threshold_;
+    Unit rest_{};  // of the step
     Work& fastest_;
     Log& log_;
 };

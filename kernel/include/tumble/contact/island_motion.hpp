@@ -19,7 +19,6 @@ struct IslandMotion {
     using BodyGroup = SomeBodies<features.bodies>;
     using Island = tumble::Island<features>;
     using Work = typename N::Work;
-    using C = ContactNumbers<N>;
     using Mover = tumble::Mover<N, features>;
     using Flight = tumble::Flight<N, features>;
     using Saved = SavedMotions<Bodies>;

@@ -5,8 +5,9 @@
 
 namespace tumble {
 
-// Sweeps in bounded number leave some of each load, and so bodies of a pile tremble about the place where they rest.
-// What they do within half a second and a quarter of the tolerance is no motion.
+// Sweeps in bounded number leave some of each load, and so bodies of a pile tremble about the place where they rest, or
+// creep. Errors of sweeps over a pile fall as one over their number, so a body that is slower than such a part of what
+// gravity changes in a step is at rest: within half a second, or within a quarter of the tolerance where this is more.
 template <class N, Spin spin, Features features>
 class RestWatch {
 public:
@@ -24,13 +25,14 @@ public:
     void note(const NarrowPhase& shapes, const Bodies& bodies, const BodyGroup& group,
               const SavedMotions<Bodies>& start) {
         const std::uint32_t now = bodies.steps_taken;
+        const Length least = least_way(shapes);
         for (int k = 0; k < group.count; ++k) {
             const int b = group.id[k];
             Motion& motion = motion_[b];
             const bool goes_on = motion.seen + 1 == now;
             motion.seen = now;
             motion.is_held = false;
-            if (goes_on && stays(motion, shapes, b, start[k], bodies.state[b])) continue;
+            if (goes_on && stays(motion, shapes, least, b, start[k], bodies.state[b])) continue;
             motion.way = motion.turn = {};
             motion.since = now;
         }
@@ -83,11 +85,17 @@ private:
         for (int k = 0; k < group.count; ++k) all = all && is_so(motion_[group.id[k]]);
         return all;
     }
-    // Adds the step. By no more than a point of a resting body may be deep without a correction. The vector of a
-    // quaternion is half of the turn.
-    [[nodiscard]] static bool stays(Motion& motion, const NarrowPhase& shapes, int b,
+    [[nodiscard]] Length least_way(const NarrowPhase& shapes) const {
+        using Work = typename N::Work;
+        constexpr int part = ContactBounds<N>::slow_in_falls * contact::max_sweeps;
+        const Length depth = ContactBounds<N>::resting_depth(shapes.tolerance()),
+                     creep = shapes.scale().length(shapes.slow() * Work(static_cast<int>(rest_)) / Work(part));
+        return creep > depth ? creep : depth;
+    }
+    // Adds the step. The vector of a quaternion is half of the turn.
+    [[nodiscard]] static bool stays(Motion& motion, const NarrowPhase& shapes, Length least, int b,
                                     const typename Bodies::State& start, const typename Bodies::State& end) {
-        const Length least = ContactBounds<N>::resting_depth(shapes.tolerance()), radius = shapes.shape(b).radius;
+        const Length radius = shapes.shape(b).radius;
         const auto &from = start.q_wb.value(), &to = end.q_wb.value();
         bool all = true;
         for (int i = 0; i < 3; ++i) {

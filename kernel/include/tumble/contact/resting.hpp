@@ -76,6 +76,8 @@ public:
                 }
                 strikes = strikes || (!above && fast);
                 if (above) point.row[0].target -= closing;
+                else if (!whole && coasting == Coasting::mean && bounces_off(pair, point, approach))
+                    point.row[0].target += approach;
                 point.row[0].target += Rows::surface_of(pair, point);
                 point.for_each_row([&](auto& row) { row.impulse = velocities_.scale.from(row.impulse, pair.scale); });
                 pair.touched = true;
@@ -95,7 +97,12 @@ public:
         } else {
             const Speed enough = velocities_.scale.enough_at_rest();
             if (rows_.sweep_pressed(enough) > enough && !is_spent()) report_far_from_solved(enough);
-            velocities_.write(forces, bodies_, shapes_.weights(), island_.group);
+            solution.at_rest = whole && !lifts && settles(enough);
+            if (solution.at_rest) {
+                for (int k = 0; k < island_.group.count; ++k) velocities_.stop(island_.group.id[k]);
+                pairs_.set_balanced(island_, true);
+            }
+            velocities_.write(forces, bodies_, shapes_.weights(), island_.group, solution.at_rest ? &loads : nullptr);
         }
         pairs_.count_points(island_, shapes_.tolerance());
         solution.unchanged = true;
@@ -155,6 +162,22 @@ public:
 
 private:
     [[nodiscard]] bool is_spent() const { return velocities_.sweeps_are_spent(); }
+    // Of a point at the surface after an impact: whether loads leave it above the surface at the end of the step. It
+    // then comes down as fast as it left at most, so that others press it no deeper. Held where it is, a body would
+    // hover.
+    [[nodiscard]] bool bounces_off(const Pair& pair, const Point& point, Speed approach) const {
+        return approach < Speed{} && rows_.velocity(velocities_.loaded, pair, point) > approach;
+    }
+    // Whether sweeps have found the forces of rest, where statics find none: each body is held, and its velocity was
+    // and is what sweeps leave anyway.
+    [[nodiscard]] bool settles(Speed enough) const {
+        bool all = velocities_.start_at_rest(island_.group);
+        for (int k = 0; k < island_.group.count; ++k)
+            all = all && !(velocities_.now[island_.group.id[k]].largest() > enough);
+        if constexpr (features.moving_surfaces())
+            pairs_.for_each(island_, [&](const Pair& pair) { all = all && !pair.surface_moves; });
+        return all && are_held();
+    }
     // Whether something holds each body. Bodies that do not touch each other need one look.
     [[nodiscard]] bool are_held() const {
         bool held[features.bodies]{};

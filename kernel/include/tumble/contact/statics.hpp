@@ -234,8 +234,8 @@ private:
         });
         return may && carrying_ >= island_.group.count;
     }
-    // Where there are more pairs than bodies: pairs across the load of their bodies carry nothing, such as those of
-    // boxes side by side. `slides`: the bodies have the velocity `common_` together.
+    // Where there are more pairs than bodies: a pair whose normal is at right angles to the load of its bodies carries
+    // no force, such as that of boxes side by side. `slides`: the bodies have the velocity `common_` together.
     void leave_out_sides(bool slides) {
         if (features.all_pairs() == 1 || carrying_ == island_.group.count) return;
         const auto presses = [&](const Pair& pair, int b) {
@@ -345,7 +345,7 @@ private:
         });
         return all;
     }
-    // Where bodies slide, their forces lie on their cones. By so much they may be beyond: by what sweeps leave.
+    // How far a force may be outside its cone: where bodies slide, forces lie on the cones, to what sweeps leave.
     [[nodiscard]] Speed beyond() const { return slides_ ? velocities_.scale.enough_at_rest() : Speed{}; }
     // What stands still in the world, in the axes that the body has where its rows act.
     template <class T>

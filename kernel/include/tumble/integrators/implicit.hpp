@@ -34,7 +34,6 @@ struct OneStageImplicit : Stability<detail::OneStageOnOscillator<stage>> {
     static constexpr Spin spin = Spin::angular_velocity;
     static constexpr Coasting coasting = stage == Stage::end ? Coasting::end : Coasting::mean;
     static constexpr int max_iterations = 12;
-    static constexpr bool takes_any_load = true;
 
     template <class N>
     using Inertia = EulerInertia<N, 1>;

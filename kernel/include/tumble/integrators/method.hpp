@@ -17,7 +17,6 @@
 //   needs                           if a step needs sqrt, division or trigonometry: the text for the user
 //   follows_any_turn                if a step may turn a body by any angle. Without it, floating point sets range_left
 //                                   for more than 1 rad, or for more than 3 rad if the spin is the angular momentum
-//   takes_any_load                  if fixed point does not limit the change that loads make in a step
 //   keeps_kick                      if a step of a body alone starts with the kick that the last step ended with:
 //                                   evaluate.kept_kick()
 //   rotate_called<N>                rotate() out of line, if advance() turns bodies by the same code: worlds with loads
