@@ -1,10 +1,8 @@
-// The worlds of the tests of snapshots, and how these are taken and restored.
+// The worlds of the tests of snapshots.
 #pragma once
 
 #include "kinds.hpp"
-
-#include <cstdint>
-#include <vector>
+#include "snapshots.hpp"
 
 namespace tumble::test {
 
@@ -20,18 +18,6 @@ protected:
     template <Features features>
     using WorldOf = World<SceneOf<N, typename W::Integrator, features>>;
     using Full = WorldOf<little_of_everything>;
-    using Bytes = std::vector<std::uint8_t>;
-
-    template <class World>
-    [[nodiscard]] static Bytes saved(const World& world, SnapshotPart part = SnapshotPart::world) {
-        Bytes bytes(static_cast<std::size_t>(world.snapshot_size(part)));
-        EXPECT_EQ(world.save(bytes.data(), static_cast<int>(bytes.size()), part), static_cast<int>(bytes.size()));
-        return bytes;
-    }
-    template <class World>
-    static SnapshotFault restored(World& world, const Bytes& bytes) {
-        return world.restore(bytes.data(), static_cast<int>(bytes.size()));
-    }
 };
 
 }  // namespace tumble::test

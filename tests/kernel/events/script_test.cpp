@@ -2,6 +2,7 @@
 #include <tumble/tumble.hpp>
 
 #include "kinds.hpp"
+#include "snapshots.hpp"
 
 #include <algorithm>
 #include <array>
@@ -443,14 +444,13 @@ TYPED_TEST(TimedForces, act_by_the_script_after_a_snapshot_of_bodies) {
     };
     std::vector<Event<TypeParam>> events;
     for (Saved* w : {&world, &other}) w->set_script(prepare_sorted(events, specs, w->bodies()));
-    std::vector<std::vector<std::uint8_t>> saved;
+    std::vector<SavedBytes> saved;
     for (int step = 0; step < 128; ++step) {
-        saved.emplace_back(static_cast<std::size_t>(world.snapshot_size(SnapshotPart::bodies)));
-        (void)world.save(saved.back().data(), static_cast<int>(saved.back().size()), SnapshotPart::bodies);
+        saved.push_back(save(world, SnapshotPart::bodies));
         world.step();
     }
     for (const std::size_t from : {5u, 40u, 80u, 100u, 20u, 0u}) {
-        ASSERT_EQ(other.restore(saved[from].data(), static_cast<int>(saved[from].size())), SnapshotFault::none);
+        ASSERT_EQ(restore(other, saved[from]), SnapshotFault::none);
         for (std::size_t step = from; step < 128; ++step) other.step();
         EXPECT_EQ(other.hash(), world.hash()) << from;
     }

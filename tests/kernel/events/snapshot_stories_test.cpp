@@ -111,10 +111,10 @@ TYPED_TEST(SnapshotStories, of_a_random_story_go_on_with_the_same_bits_sleep_and
             world.step();
             other.step();
         }
-        const auto bytes = this->saved(world);
+        const auto bytes = save(world);
         for (World* restored : {&fresh, &other}) {
-            ASSERT_EQ(this->restored(*restored, bytes), SnapshotFault::none) << seed;
-            ASSERT_EQ(this->saved(*restored), bytes) << seed;
+            ASSERT_EQ(restore(*restored, bytes), SnapshotFault::none) << seed;
+            ASSERT_EQ(save(*restored), bytes) << seed;
         }
         for (int i = saved_at; i < saved_at + steps; ++i) {
             for (World* one : {&world, &fresh, &other}) {
@@ -141,7 +141,7 @@ TYPED_TEST(SnapshotStories, of_a_random_story_go_on_with_the_same_bits_sleep_and
                 }
             }
         }
-        for (const World* restored : {&fresh, &other}) ASSERT_EQ(this->saved(*restored), this->saved(world)) << seed;
+        for (const World* restored : {&fresh, &other}) ASSERT_EQ(save(*restored), save(world)) << seed;
     }
 }
 
@@ -162,7 +162,7 @@ TYPED_TEST(SnapshotStories, that_are_forged_are_refused_or_stay_within_the_room)
             story.act(world, i);
             world.step();
         }
-        const auto bytes = this->saved(world);
+        const auto bytes = save(world);
         const auto forged = [&](std::size_t place, std::uint32_t word) {
             auto forgery = bytes;
             std::memcpy(&forgery[place], &word, 4);
@@ -176,15 +176,15 @@ TYPED_TEST(SnapshotStories, that_are_forged_are_refused_or_stay_within_the_room)
         int refused = 0;
         for (std::size_t place = 32; seed == 1 && place < end; place += 4) {
             World other = world;
-            refused += this->restored(other, forged(place, 0x7fffffffu)) != SnapshotFault::none;
+            refused += restore(other, forged(place, 0x7fffffffu)) != SnapshotFault::none;
         }
         EXPECT_TRUE(seed > 1 || refused > 10) << refused;
         for (unsigned i = 0; i < forgeries; ++i) {
             const std::uint32_t words[] = {0xffffffffu, 0x7fffffffu, 0x80000000u, random(), random() % 70};
             const auto forgery = forged(32 + 4 * (random() % ((end - 32) / 4)), words[random() % 5]);
             World other = world;
-            if (this->restored(other, forgery) != SnapshotFault::none) {
-                ASSERT_EQ(this->saved(other), bytes) << "what is refused changes nothing";
+            if (restore(other, forgery) != SnapshotFault::none) {
+                ASSERT_EQ(save(other), bytes) << "what is refused changes nothing";
                 continue;
             }
             for (int step = saved_at; step < saved_at + 30; ++step) {

@@ -82,12 +82,12 @@ TYPED_TEST(Snapshots, a_world_that_is_restored_goes_on_with_the_same_bits) {
     for (const int steps : {0, 30, 90, 333}) {
         auto world = this->full();
         this->run(world, steps);
-        const auto bytes = this->saved(world);
+        const auto bytes = save(world);
         auto other = this->full();
         this->run(other, 11);
-        ASSERT_EQ(this->restored(other, bytes), SnapshotFault::none);
+        ASSERT_EQ(restore(other, bytes), SnapshotFault::none);
         EXPECT_EQ(other.hash(), world.hash());
-        EXPECT_EQ(this->saved(other), bytes) << "a snapshot of the restored world is the same";
+        EXPECT_EQ(save(other), bytes) << "a snapshot of the restored world is the same";
         this->expect_same(world, other, 60);
     }
 }
@@ -95,8 +95,8 @@ TYPED_TEST(Snapshots, a_world_that_is_restored_goes_on_with_the_same_bits) {
 TYPED_TEST(Snapshots, of_a_free_body_in_a_minimal_world_go_on_with_the_same_bits) {
     auto world = this->small(), other = this->small();
     this->run(world, 100);
-    const auto bytes = this->saved(world);
-    ASSERT_EQ(this->restored(other, bytes), SnapshotFault::none);
+    const auto bytes = save(world);
+    ASSERT_EQ(restore(other, bytes), SnapshotFault::none);
     this->expect_same(world, other, 100);
 }
 
@@ -106,22 +106,18 @@ TEST(SnapshotBytes, know_the_last_softening) {
     World<SceneOf<N, integrators::Verlet, soft>> world{Seconds{1, 64}}, other{Seconds{1, 64}};
     world.set_softening(Real{2});
     world.set_softening(Real{0.5});
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(world.snapshot_size()));
-    const int size = world.save(bytes.data(), static_cast<int>(bytes.size()));
-    EXPECT_EQ(other.restore(bytes.data(), size), SnapshotFault::other_scene);
+    const auto bytes = save(world);
+    EXPECT_EQ(restore(other, bytes), SnapshotFault::other_scene);
     other.set_softening(Real{0.5});
-    EXPECT_EQ(other.restore(bytes.data(), size), SnapshotFault::none);
+    EXPECT_EQ(restore(other, bytes), SnapshotFault::none);
 
     const World<SceneOf<N, integrators::Verlet, soft>> falling{Seconds{1, 64}, {.gravity = {0, -1, 0}}};
-    const int other_gravity = falling.save(bytes.data(), static_cast<int>(bytes.size()));
-    EXPECT_EQ(other.restore(bytes.data(), other_gravity), SnapshotFault::other_scene) << "no event changes it";
+    EXPECT_EQ(restore(other, save(falling)), SnapshotFault::other_scene) << "no event changes it";
 
     static constexpr Features hard{.bodies = 2, .gravitation = true, .snapshots = true};
     World<SceneOf<N, integrators::Verlet, hard>> without{Seconds{1, 64}};
     World<SceneOf<N, integrators::Verlet, soft>> never_set{Seconds{1, 64}};
-    const int part = without.save(bytes.data(), static_cast<int>(bytes.size()), SnapshotPart::bodies);
-    ASSERT_GT(part, 0);
-    EXPECT_EQ(never_set.restore(bytes.data(), part), SnapshotFault::none);
+    EXPECT_EQ(restore(never_set, save(without, SnapshotPart::bodies)), SnapshotFault::none);
 }
 
 TYPED_TEST(Snapshots, of_bodies_alone_take_the_change_of_a_surface_back) {
@@ -132,11 +128,11 @@ TYPED_TEST(Snapshots, of_bodies_alone_take_the_change_of_a_surface_back) {
     world.remove(BodyId{4});
     const BodyId id = world.add(lift);
     for (int i = 0; i < 16; ++i) world.step();
-    const auto bytes = this->saved(world, SnapshotPart::bodies);
+    const auto bytes = save(world, SnapshotPart::bodies);
     auto other = world;
     other.set_velocity(id, {0.5F, 1.0F, 0.0F});
-    for (auto* each : {&world, &other}) ASSERT_EQ(this->restored(*each, bytes), SnapshotFault::none);
-    EXPECT_EQ(this->saved(other), this->saved(world));
+    for (auto* each : {&world, &other}) ASSERT_EQ(restore(*each, bytes), SnapshotFault::none);
+    EXPECT_EQ(save(other), save(world));
 }
 
 // The same angular velocity as momentum and as velocity, also where it is held in parts of the step.
@@ -160,8 +156,8 @@ TYPED_TEST(Snapshots, of_bodies_alone_convert_the_spin_between_methods) {
         fill(other);
         for (int i = 0; i < 3; ++i) world.step();
         for (int i = 0; i < 9; ++i) other.step();
-        ASSERT_EQ(this->restored(other, this->saved(world, SnapshotPart::bodies)), SnapshotFault::none);
-        ASSERT_EQ(this->restored(back, this->saved(other, SnapshotPart::bodies)), SnapshotFault::none);
+        ASSERT_EQ(restore(other, save(world, SnapshotPart::bodies)), SnapshotFault::none);
+        ASSERT_EQ(restore(back, save(other, SnapshotPart::bodies)), SnapshotFault::none);
         const BodyId id{0};
         EXPECT_EQ(other.position(id), world.position(id));
         EXPECT_EQ(other.velocity(id), world.velocity(id));
@@ -190,13 +186,11 @@ TEST(SnapshotBytes, do_not_depend_on_where_the_step_stands) {
     (void)constant.add(body);
     (void)member.add(body);
     const auto expect_exchange = [](const auto& from, auto to, SnapshotPart part) {
-        // On the heap with exactly this size, so that a sanitizer sees what is read beyond it.
-        std::vector<std::uint8_t> bytes(static_cast<std::size_t>(from.snapshot_size(part)));
-        const int size = from.save(bytes.data(), static_cast<int>(bytes.size()), part);
-        ASSERT_EQ(to.restore(bytes.data(), size), SnapshotFault::none);
+        const auto bytes = save(from, part);
+        ASSERT_EQ(restore(to, bytes), SnapshotFault::none);
         EXPECT_EQ(to.hash(), from.hash());
         EXPECT_TRUE(to.status().ok());
-        EXPECT_EQ(to.snapshot_size(part), size);
+        EXPECT_EQ(to.snapshot_size(part), static_cast<int>(bytes.size()));
     };
     for (int i = 0; i < 20; ++i) constant.step();
     for (const SnapshotPart part : {SnapshotPart::bodies, SnapshotPart::world}) {
@@ -217,9 +211,7 @@ TEST(SnapshotBytes, of_point_masses_do_not_depend_on_what_else_may_rotate) {
             (void)to.add(stone);
         }
         for (int i = 0; i < 20; ++i) from.step();
-        std::uint8_t bytes[1000];
-        const int size = from.save(bytes, sizeof bytes, SnapshotPart::bodies);
-        ASSERT_EQ(to.restore(bytes, size), SnapshotFault::none);
+        ASSERT_EQ(restore(to, save(from, SnapshotPart::bodies)), SnapshotFault::none);
         EXPECT_EQ(to.hash(), from.hash());
     };
     const Seconds step{1, 256};
@@ -245,10 +237,9 @@ TEST(SnapshotBytes, of_a_world_with_another_own_load_are_refused) {
     World<Pulled<3>> three{Seconds{1, 64}};
     (void)one.add(sphere(1, 1));
     (void)three.add(sphere(1, 1));
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(one.snapshot_size()));
-    const int size = one.save(bytes.data(), static_cast<int>(bytes.size()));
-    EXPECT_EQ(three.restore(bytes.data(), size), SnapshotFault::other_scene);
-    EXPECT_EQ(one.restore(bytes.data(), size), SnapshotFault::none);
+    const auto bytes = save(one);
+    EXPECT_EQ(restore(three, bytes), SnapshotFault::other_scene);
+    EXPECT_EQ(restore(one, bytes), SnapshotFault::none);
 }
 
 // The kick that ends a step is solved, and begins the next one.
@@ -267,7 +258,7 @@ TYPED_TEST(Snapshots, of_a_damped_body_go_on_with_the_same_bits) {
         auto world = make(), other = make();
         this->run(world, steps);
         this->run(other, 33);
-        ASSERT_EQ(this->restored(other, this->saved(world)), SnapshotFault::none);
+        ASSERT_EQ(restore(other, save(world)), SnapshotFault::none);
         for (int i = 0; i < 40; ++i) {
             this->run(world, 1);
             this->run(other, 1);
@@ -279,13 +270,13 @@ TYPED_TEST(Snapshots, of_a_damped_body_go_on_with_the_same_bits) {
 TYPED_TEST(Snapshots, of_bodies_alone_restore_the_hash_in_worlds_with_other_features) {
     auto world = this->small();
     this->run(world, 100);
-    const auto bytes = this->saved(world, SnapshotPart::bodies);
-    EXPECT_LT(bytes.size(), this->saved(world).size());
+    const auto bytes = save(world, SnapshotPart::bodies);
+    EXPECT_LT(bytes.size(), save(world).size());
     using Other =
         typename TestFixture::template WorldOf<Features{.bodies = 3, .drag = true, .snapshots = true, .imu = true}>;
     Other other{Seconds{1, 256}};
     (void)other.add(box(1, {1, 0.5, 0.25}));
-    ASSERT_EQ(this->restored(other, bytes), SnapshotFault::none);
+    ASSERT_EQ(restore(other, bytes), SnapshotFault::none);
     EXPECT_EQ(other.hash(), world.hash());
     EXPECT_EQ(other.steps_taken(), world.steps_taken());
 }
@@ -298,14 +289,14 @@ TYPED_TEST(Snapshots, of_bodies_alone_wake_all_and_find_contacts_anew) {
     body.position = {0, 0.3, 0};
     const BodyId id = world.add(body);
     (void)world.add(PlaneSpec{});
-    const auto in_flight = this->saved(world, SnapshotPart::bodies);
+    const auto in_flight = save(world, SnapshotPart::bodies);
     const auto rest = [&] {
         for (int i = 0; i < 512; ++i) world.step();
         EXPECT_TRUE(world.asleep(id));
         EXPECT_NEAR(static_cast<double>(world.position(id).y), 0.125, 2e-3);
     };
     rest();
-    ASSERT_EQ(this->restored(world, in_flight), SnapshotFault::none);
+    ASSERT_EQ(restore(world, in_flight), SnapshotFault::none);
     EXPECT_FALSE(world.asleep(id));
     rest();
 }
@@ -313,40 +304,40 @@ TYPED_TEST(Snapshots, of_bodies_alone_wake_all_and_find_contacts_anew) {
 TYPED_TEST(Snapshots, that_are_wrong_are_refused_and_change_nothing) {
     auto world = this->full();
     this->run(world, 60);
-    const auto own = this->saved(world);
+    const auto own = save(world);
     for (const SnapshotPart part : {SnapshotPart::bodies, SnapshotPart::world}) {
         auto source = this->full();
         this->run(source, 50);
-        const auto bytes = this->saved(source, part);
-        const auto refused = [&](const typename TestFixture::Bytes& wrong, SnapshotFault fault) {
-            EXPECT_EQ(name_of(this->restored(world, wrong)), std::string(name_of(fault)));
-            ASSERT_EQ(this->saved(world), own);
+        const auto bytes = save(source, part);
+        const auto refused = [&](const SavedBytes& wrong, SnapshotFault fault) {
+            EXPECT_EQ(name_of(restore(world, wrong)), std::string(name_of(fault)));
+            ASSERT_EQ(save(world), own);
         };
         // A bit of each of the first bytes, and of some of the others.
         for (std::size_t i = 0; i < bytes.size(); i += i < 48 ? 1 : 61) {
             auto wrong = bytes;
             wrong[i] = static_cast<std::uint8_t>(wrong[i] ^ 1u << i % 8);
-            EXPECT_NE(this->restored(world, wrong), SnapshotFault::none) << i;
+            EXPECT_NE(restore(world, wrong), SnapshotFault::none) << i;
         }
-        ASSERT_EQ(this->saved(world), own);
+        ASSERT_EQ(save(world), own);
         for (std::size_t count = 0; count < bytes.size(); ++count)
             EXPECT_EQ(world.restore(bytes.data(), static_cast<int>(count)), SnapshotFault::truncated) << count;
-        ASSERT_EQ(this->saved(world), own);
-        refused(typename TestFixture::Bytes(64, 0), SnapshotFault::no_snapshot);
+        ASSERT_EQ(save(world), own);
+        refused(SavedBytes(64, 0), SnapshotFault::no_snapshot);
         auto wrong = bytes;
         wrong[4] = 2;
         refused(wrong, SnapshotFault::other_version);
-        refused(this->saved(this->full(3), part), SnapshotFault::other_scene);
+        refused(save(this->full(3), part), SnapshotFault::other_scene);
         // A kind that is tested, so that there is one world less to compile.
         using Others = std::conditional_t<std::is_same_v<typename TestFixture::N, F64>,
                                           Kind<Q32<NearRange>, integrators::Verlet>, Kind<F64, integrators::Exact>>;
         World<SceneOf<typename Others::Numbers, typename Others::Integrator, little_of_everything>> others{
             Seconds{1, 256}};
-        refused(this->saved(others, part), SnapshotFault::other_numbers);
+        refused(save(others, part), SnapshotFault::other_numbers);
         auto longer = bytes;
         longer.push_back(1);
         auto copy = world;
-        EXPECT_EQ(this->restored(copy, longer), SnapshotFault::none) << "what follows it is not read";
+        EXPECT_EQ(restore(copy, longer), SnapshotFault::none) << "what follows it is not read";
     }
 }
 
@@ -354,11 +345,11 @@ TYPED_TEST(Snapshots, of_a_whole_world_have_its_gravity_and_those_of_its_bodies_
     auto world = this->full(), other = this->full(1, -1.5), falling = this->full(1, -1.5);
     this->run(world, 90);
     world.set_gravity({0.5F, -9.5F, -0.25F});
-    const auto bodies = this->saved(world, SnapshotPart::bodies);
-    ASSERT_EQ(this->restored(other, this->saved(world)), SnapshotFault::none);
+    const auto bodies = save(world, SnapshotPart::bodies);
+    ASSERT_EQ(restore(other, save(world)), SnapshotFault::none);
     this->expect_same(world, other, 60);
 
-    ASSERT_EQ(this->restored(falling, bodies), SnapshotFault::none);
+    ASSERT_EQ(restore(falling, bodies), SnapshotFault::none);
     const BodyId high{4};
     const auto before = static_cast<double>(falling.velocity(high).y);
     falling.step();
@@ -367,9 +358,9 @@ TYPED_TEST(Snapshots, of_a_whole_world_have_its_gravity_and_those_of_its_bodies_
 
 TYPED_TEST(Snapshots, need_their_room) {
     const auto world = this->small();
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(world.snapshot_size()), 0xab);
+    SavedBytes bytes(static_cast<std::size_t>(world.snapshot_size()), 0xab);
     EXPECT_EQ(world.save(bytes.data(), static_cast<int>(bytes.size()) - 1), 0);
-    EXPECT_EQ(bytes, std::vector<std::uint8_t>(bytes.size(), 0xab)) << "nothing is written";
+    EXPECT_EQ(bytes, SavedBytes(bytes.size(), 0xab)) << "nothing is written";
     EXPECT_GT(world.save(bytes.data(), static_cast<int>(bytes.size())), 0);
 }
 
@@ -387,8 +378,7 @@ TEST(SnapshotBytes, have_the_check_word_of_the_standard_and_the_lowest_byte_firs
     body.position = {1, 0, 0};
     (void)world.add(body);
     world.step();
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(world.snapshot_size(SnapshotPart::bodies)));
-    (void)world.save(bytes.data(), static_cast<int>(bytes.size()), SnapshotPart::bodies);
+    const auto bytes = save(world, SnapshotPart::bodies);
     ASSERT_EQ(bytes.size(), 8u * 4 + 4 + 13 * 8 + 4);
     EXPECT_EQ(std::memcmp(bytes.data(), "tmbl\5\0\0\1", 8), 0);
     EXPECT_EQ(bytes[8], TUMBLE_BITS);
@@ -413,17 +403,15 @@ TEST(SnapshotBytes, of_a_world_let_its_script_go_on) {
     specs.push_back({.time = 0.25, .kind = EventKind::begin_torque, .value = {0.5, 0, 1}});
     std::vector<Event<F64>> events;
     world.set_script(prepare_sorted(events, specs, world.bodies()));
-    std::vector<std::vector<std::uint8_t>> saved;
+    std::vector<SavedBytes> saved;
     std::vector<std::uint64_t> hashes;
     for (int i = 0; i < 128; ++i) {
-        saved.emplace_back(static_cast<std::size_t>(world.snapshot_size()));
-        (void)world.save(saved.back().data(), static_cast<int>(saved.back().size()));
+        saved.push_back(save(world));
         world.step();
         hashes.push_back(world.hash());
     }
     for (const int from : {0, 5, 10, 26, 33, 50, 90}) {
-        ASSERT_EQ(world.restore(saved[static_cast<std::size_t>(from)].data(), static_cast<int>(saved[0].size())),
-                  SnapshotFault::none);
+        ASSERT_EQ(restore(world, saved[static_cast<std::size_t>(from)]), SnapshotFault::none);
         for (std::size_t i = static_cast<std::size_t>(from); i < 128; ++i) {
             world.step();
             ASSERT_EQ(world.hash(), hashes[i]) << from << " " << i;

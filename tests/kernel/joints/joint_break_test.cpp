@@ -1,6 +1,7 @@
 // Joints that break, by a load or by a program, and what is recorded of joints. The oracles are closed forms of the
 // load, free flight, and the hash of a replay.
 #include "joint_cases.hpp"
+#include "snapshots.hpp"
 
 #include <array>
 
@@ -163,33 +164,30 @@ TYPED_TEST(Breaks, a_snapshot_knows_what_has_broken) {
         return world;
     };
     auto world = make(0);
-    std::array<std::uint8_t, 16384> whole{}, broken{};
-    const int room = static_cast<int>(whole.size());
     this->run(world, 40);
-    const int size = world.save(whole.data(), room);
+    const auto whole = save(world);
     world.break_joint(JointId{2});
     this->run(world, 40);
-    const int broken_size = world.save(broken.data(), room);
-    ASSERT_GT(size, 0);
-    EXPECT_EQ(size, broken_size);
+    auto broken = save(world);
+    EXPECT_EQ(whole.size(), broken.size());
     this->run(world, 40);
     const std::uint64_t end = world.hash();
     auto other = make(0);
-    ASSERT_EQ(other.restore(broken.data(), broken_size), SnapshotFault::none);
+    ASSERT_EQ(restore(other, broken), SnapshotFault::none);
     EXPECT_TRUE(this->joint(other, 2).broken);
     this->run(other, 40);
     EXPECT_EQ(other.hash(), end);
     for (auto* from_start : {&world, &other}) {
-        ASSERT_EQ(from_start->restore(whole.data(), size), SnapshotFault::none);
+        ASSERT_EQ(restore(*from_start, whole), SnapshotFault::none);
         EXPECT_FALSE(this->joint(*from_start, 2).broken);
         from_start->break_joint(JointId{2});
         this->run(*from_start, 80);
         EXPECT_EQ(from_start->hash(), end);
     }
     auto stronger = make(1000);
-    EXPECT_EQ(stronger.restore(whole.data(), size), SnapshotFault::other_scene);
+    EXPECT_EQ(restore(stronger, whole), SnapshotFault::other_scene);
     broken[40] ^= 1;
-    EXPECT_EQ(other.restore(broken.data(), broken_size), SnapshotFault::corrupted);
+    EXPECT_EQ(restore(other, broken), SnapshotFault::corrupted);
 }
 
 // Joints go and come back at steps that the seed chooses; events are recorded, so a world that went back replays them.
@@ -204,18 +202,13 @@ TYPED_TEST(Breaks, a_world_goes_back_over_joints_that_broke_or_were_removed) {
         Recorder<typename TestFixture::N, 32> recorder;
         world.record(&recorder);
         struct Saved {
-            std::array<std::uint8_t, 16384> bytes{};
-            int size = 0, step = 0, joints = 0;
+            SavedBytes bytes;
+            int step = 0, joints = 0;
         };
         std::vector<Saved> saved;
         std::vector<std::uint64_t> hashes;
         for (int step = 0; step < 120; ++step) {
-            if (step % 30 == 10) {
-                Saved& now = saved.emplace_back();
-                now.size = world.save(now.bytes.data(), static_cast<int>(now.bytes.size()));
-                now.step = step;
-                now.joints = world.joint_count();
-            }
+            if (step % 30 == 10) saved.push_back({save(world), step, world.joint_count()});
             const JointId id{static_cast<int>(random() % 4)};
             if (step % 30 == 20 && world.contains(id)) {
                 if (random() % 3 != 0) world.remove(id);
@@ -229,8 +222,8 @@ TYPED_TEST(Breaks, a_world_goes_back_over_joints_that_broke_or_were_removed) {
         world.record(nullptr);
         for (World going : {world, start}) {
             going.set_script(recorder.script());
-            for (const auto& [bytes, size, step, joints] : saved) {
-                ASSERT_EQ(going.restore(bytes.data(), size), SnapshotFault::none) << seed << " " << step;
+            for (const auto& [bytes, step, joints] : saved) {
+                ASSERT_EQ(restore(going, bytes), SnapshotFault::none) << seed << " " << step;
                 EXPECT_EQ(going.joint_count(), joints) << seed << " " << step;
                 for (int k = step; k < 120; ++k) {
                     this->run(going, 1);
@@ -240,17 +233,14 @@ TYPED_TEST(Breaks, a_world_goes_back_over_joints_that_broke_or_were_removed) {
         }
         // The joints stay those of the world where bodies alone go back.
         const int left = world.joint_count();
-        std::array<std::uint8_t, 4096> bodies{};
-        World early = start;
-        const int size = early.save(bodies.data(), static_cast<int>(bodies.size()), SnapshotPart::bodies);
-        ASSERT_EQ(world.restore(bodies.data(), size), SnapshotFault::none);
+        ASSERT_EQ(restore(world, save(start, SnapshotPart::bodies)), SnapshotFault::none);
         EXPECT_EQ(world.joint_count(), left);
         this->run(world, 10);
         // A body that goes takes its joints along for good: it is of the scene.
         World less = start;
         less.remove(BodyId{2});
         const std::uint64_t before = less.hash();
-        EXPECT_EQ(less.restore(saved[0].bytes.data(), saved[0].size), SnapshotFault::other_scene);
+        EXPECT_EQ(restore(less, saved[0].bytes), SnapshotFault::other_scene);
         EXPECT_EQ(less.hash(), before);
     }
 }
@@ -262,8 +252,7 @@ TYPED_TEST(Breaks, forged_joints_are_refused) {
     world.break_joint(JointId{3});
     // It has the place of a broken one beside it: both at once would close a loop.
     (void)world.add(HingeSpec{.body = 3, .to_body = 2, .anchor = {1.5, 0, 0}});
-    std::vector<std::uint8_t> bytes(16384);
-    bytes.resize(static_cast<std::size_t>(world.save(bytes.data(), static_cast<int>(bytes.size()))));
+    const auto bytes = save(world);
     // The states of six joints follow each other: there, there, there, there and broken, there, none.
     const std::array<std::uint32_t, 6> states{1, 1, 1, 3, 1, 0};
     std::size_t at = 0;
@@ -282,7 +271,7 @@ TYPED_TEST(Breaks, forged_joints_are_refused) {
         for (std::size_t i = 0; i < 4; ++i)
             forged[forged.size() - 4 + i] = static_cast<std::uint8_t>(crc.value() >> (8 * i));
         auto other = world;
-        const SnapshotFault fault = other.restore(forged.data(), static_cast<int>(forged.size()));
+        const SnapshotFault fault = restore(other, forged);
         EXPECT_TRUE(fault == SnapshotFault::none || other.hash() == world.hash());
         this->run(other, 2);
         return fault;

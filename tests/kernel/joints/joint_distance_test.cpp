@@ -2,6 +2,7 @@
 // conserved.
 #include "joint_cases.hpp"
 #include "random.hpp"
+#include "snapshots.hpp"
 
 #include <algorithm>
 #include <array>
@@ -343,15 +344,14 @@ TYPED_TEST(Distances, a_snapshot_knows_which_ropes_are_taut) {
         auto saved = this->falling(), restored = this->falling();
         for (auto* world : {&saved, &restored}) (void)this->hang(*world, {1.2, 0, 0}, {}, 0, 1.5);
         this->run(saved, steps);
-        std::array<std::uint8_t, 8192> bytes{};
-        const int size = saved.save(bytes.data(), static_cast<int>(bytes.size()));
-        ASSERT_EQ(restored.restore(bytes.data(), size), SnapshotFault::none);
+        const auto bytes = save(saved);
+        ASSERT_EQ(restore(restored, bytes), SnapshotFault::none);
         this->run(saved, 300);
         this->run(restored, 300);
         EXPECT_EQ(saved.hash(), restored.hash());
         auto longer = this->falling();
         (void)this->hang(longer, {1.2, 0, 0}, {}, 0, 1.75);
-        EXPECT_EQ(longer.restore(bytes.data(), size), SnapshotFault::other_scene);
+        EXPECT_EQ(restore(longer, bytes), SnapshotFault::other_scene);
     }
 }
 

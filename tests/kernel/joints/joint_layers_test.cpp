@@ -3,8 +3,8 @@
 #include <tumble/tumble.hpp>
 
 #include "kinds.hpp"
+#include "snapshots.hpp"
 
-#include <array>
 #include <vector>
 
 namespace tumble::test::joint_layers {
@@ -206,10 +206,7 @@ TYPED_TEST(Layered, a_snapshot_of_mechanisms_and_contacts_goes_on_with_the_same_
     spec.contact.sleep.on = true;
     Beside<TypeParam, layered> saved{spec, true, true}, restored{spec, true, true};
     run(saved.world, 100);
-    std::array<std::uint8_t, 65536> bytes{};
-    const int size = saved.world.save(bytes.data(), static_cast<int>(bytes.size()));
-    ASSERT_GT(size, 0);
-    ASSERT_EQ(restored.world.restore(bytes.data(), size), SnapshotFault::none);
+    ASSERT_EQ(restore(restored.world, save(saved.world)), SnapshotFault::none);
     run(saved.world, 400);
     run(restored.world, 400);
     EXPECT_EQ(saved.world.hash(), restored.world.hash());

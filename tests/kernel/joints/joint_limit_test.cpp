@@ -1,11 +1,11 @@
 // Limits of hinges and sliders: ends at which a joint is held and not pulled. The oracles are statics, closed forms of
 // the way to the end, and what is conserved.
 #include "joint_cases.hpp"
+#include "snapshots.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
 
 namespace tumble::test::joint_limits {
 namespace {
@@ -222,10 +222,9 @@ TYPED_TEST(Limits, a_snapshot_knows_which_joints_are_at_their_limits) {
          other = this->pendulum(1, {-0.6, 0.2});
     this->run(saved, 200);
     EXPECT_EQ(this->joint(saved).at_limit, -1);
-    std::array<std::uint8_t, 8192> bytes{};
-    const int size = saved.save(bytes.data(), static_cast<int>(bytes.size()));
-    EXPECT_EQ(other.restore(bytes.data(), size), SnapshotFault::other_scene);
-    ASSERT_EQ(restored.restore(bytes.data(), size), SnapshotFault::none);
+    const auto bytes = save(saved);
+    EXPECT_EQ(restore(other, bytes), SnapshotFault::other_scene);
+    ASSERT_EQ(restore(restored, bytes), SnapshotFault::none);
     for (auto* world : {&saved, &restored}) {
         world->apply_angular_impulse(BodyId{0}, {0, 0, 0.5}, Frame::body);
         this->run(*world, 200);
@@ -248,9 +247,7 @@ TYPED_TEST(Limits, a_world_goes_on_from_a_snapshot_of_a_slider_at_its_limit) {
         auto world = make(), other = make();
         this->run(world, 900);
         EXPECT_EQ(this->joint(world, 1).at_limit, 1);
-        std::vector<std::uint8_t> bytes(16384);
-        const int size = static_cast<int>(world.save(bytes.data(), static_cast<int>(bytes.size())));
-        (void)other.restore(bytes.data(), size);
+        ASSERT_EQ(restore(other, save(world)), SnapshotFault::none);
         for (int step = 0; step < 300; ++step) {
             this->run(world, 1);
             this->run(other, 1);

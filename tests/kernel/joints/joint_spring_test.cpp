@@ -1,8 +1,8 @@
 // Springs and dampers along the free directions of joints. The oracles are the closed forms of oscillators, conserved
 // quantities, and springs between the same points.
 #include "joint_cases.hpp"
+#include "snapshots.hpp"
 
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -260,10 +260,9 @@ TYPED_TEST(JointSprings, a_spring_goes_with_its_joint_and_is_in_snapshots) {
     };
     auto saved = make(10), same = make(10), other = make(11);
     this->run(saved, 50);
-    std::array<std::uint8_t, 8192> bytes{};
-    const int size = saved.save(bytes.data(), static_cast<int>(bytes.size()));
-    ASSERT_EQ(same.restore(bytes.data(), size), SnapshotFault::none);
-    EXPECT_EQ(other.restore(bytes.data(), size), SnapshotFault::other_scene);
+    const auto bytes = save(saved);
+    ASSERT_EQ(restore(same, bytes), SnapshotFault::none);
+    EXPECT_EQ(restore(other, bytes), SnapshotFault::other_scene);
     this->run(saved, 100);
     this->run(same, 100);
     EXPECT_EQ(saved.hash(), same.hash());

@@ -3,6 +3,7 @@
 #include <tumble/tumble.hpp>
 
 #include "joint_cases.hpp"
+#include "snapshots.hpp"
 
 #include <algorithm>
 #include <array>
@@ -731,16 +732,15 @@ TYPED_TEST(Joints, a_world_goes_on_from_its_snapshot_with_the_same_bits) {
     auto m = this->arm(), other = this->arm();
     m.run(40);
     m.world.apply_impulse(m.bodies[3], {0.1, 0.2, 0}, {});
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(m.world.snapshot_size()));
-    ASSERT_EQ(m.world.save(bytes.data(), static_cast<int>(bytes.size())), static_cast<int>(bytes.size()));
-    ASSERT_EQ(other.world.restore(bytes.data(), static_cast<int>(bytes.size())), SnapshotFault::none);
+    const auto bytes = save(m.world);
+    ASSERT_EQ(restore(other.world, bytes), SnapshotFault::none);
     for (int i = 0; i < 40; ++i) {
         m.run(1);
         other.run(1);
         ASSERT_EQ(m.world.hash(), other.world.hash()) << i;
     }
     auto another = this->double_pendulum(1, 1.5);
-    EXPECT_EQ(another.world.restore(bytes.data(), static_cast<int>(bytes.size())), SnapshotFault::other_scene);
+    EXPECT_EQ(restore(another.world, bytes), SnapshotFault::other_scene);
 }
 
 // A slider that has gone far has other powers of two than when it was added. They follow from the poses.
@@ -757,12 +757,10 @@ TYPED_TEST(Joints, a_world_goes_back_to_an_older_moment_with_a_pose_that_was_set
         m.run(3);
         m.world.set_pose(m.bodies[1], {Real{travel}, Real{0.02}, 0}, rotation_about({0, 0, 1}, 0.01));
         m.world.set_pose(m.bodies[2], {Real{travel + 0.3}, 0, 0});
-        std::vector<std::uint8_t> bytes(static_cast<std::size_t>(m.world.snapshot_size()));
-        const int size = static_cast<int>(bytes.size());
-        ASSERT_EQ(m.world.save(bytes.data(), size), size);
+        const auto bytes = save(m.world);
         m.run(31);
-        ASSERT_EQ(m.world.restore(bytes.data(), size), SnapshotFault::none);
-        ASSERT_EQ(other.world.restore(bytes.data(), size), SnapshotFault::none);
+        ASSERT_EQ(restore(m.world, bytes), SnapshotFault::none);
+        ASSERT_EQ(restore(other.world, bytes), SnapshotFault::none);
         m.run(31);
         other.run(31);
         EXPECT_EQ(m.world.hash(), other.world.hash()) << travel;

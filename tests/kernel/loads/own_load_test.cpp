@@ -2,6 +2,7 @@
 // written by a program.
 #include <tumble/tumble.hpp>
 
+#include "snapshots.hpp"
 #include "worlds.hpp"
 
 #include <cmath>
@@ -239,11 +240,9 @@ TYPED_TEST(OwnLoad, a_snapshot_of_a_world_with_other_loads_is_refused) {
     World<With<TypeParam, LoadList<Tether, Wind>, snapshots>> two{Seconds{1, 256}};
     one.add(sphere(1, 0.1));
     two.add(sphere(1, 0.1));
-    std::uint8_t bytes[1024];
-    const int size = one.save(bytes, sizeof bytes);
-    EXPECT_GT(size, 0);
-    EXPECT_EQ(one.restore(bytes, size), SnapshotFault::none);
-    EXPECT_EQ(two.restore(bytes, size), SnapshotFault::other_scene);
+    const auto bytes = save(one);
+    EXPECT_EQ(restore(one, bytes), SnapshotFault::none);
+    EXPECT_EQ(restore(two, bytes), SnapshotFault::other_scene);
 }
 
 // A tether whose stiffness a snapshot holds.
@@ -278,10 +277,7 @@ TYPED_TEST(OwnLoad, a_world_from_a_snapshot_has_the_values_of_loads_and_goes_on_
     one.template change_load<Wheels<N, 1>>().set_momentum(BodyId{0}, Vector3<double>{0, 0.5, 1});
     one.template change_load<GravityGradient<N, 1>>().set_orbit(0.5, {1, 0, 2});
     for (int i = 0; i < 64; ++i) one.step();
-    std::uint8_t bytes[1024];
-    const int size = one.save(bytes, sizeof bytes);
-    ASSERT_GT(size, 0);
-    ASSERT_EQ(other.restore(bytes, size), SnapshotFault::none);
+    ASSERT_EQ(restore(other, save(one)), SnapshotFault::none);
     EXPECT_EQ(other.template load<SavedTether>().strength, 12);
     for (int i = 0; i < 64; ++i) {
         one.step();

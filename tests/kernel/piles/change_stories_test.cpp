@@ -4,6 +4,7 @@
 
 #include "kinds.hpp"
 #include "random.hpp"
+#include "snapshots.hpp"
 
 #include <algorithm>
 #include <array>
@@ -273,10 +274,9 @@ private:
     // Saves the worlds, runs on and restores them.
     void go_elsewhere(int steps) {
         each([&](auto& world) {
-            std::vector<std::uint8_t> bytes(static_cast<std::size_t>(world.snapshot_size()));
-            const int size = world.save(bytes.data(), static_cast<int>(bytes.size()));
+            const auto bytes = save(world);
             for (int i = 0; i < steps; ++i) world.step();
-            EXPECT_EQ(world.restore(bytes.data(), size), SnapshotFault::none);
+            EXPECT_EQ(restore(world, bytes), SnapshotFault::none);
         });
     }
 

@@ -3,6 +3,8 @@
 
 #include <tumble/tumble.hpp>
 
+#include "snapshots.hpp"
+
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -38,10 +40,9 @@ public:
     }
     // In between the world goes elsewhere for so many steps.
     void save_and_restore(int steps) {
-        std::vector<std::uint8_t> bytes(static_cast<std::size_t>(world_->snapshot_size()));
-        const int size = world_->save(bytes.data(), static_cast<int>(bytes.size()));
+        const auto bytes = save(*world_);
         for (int step = 0; step < steps; ++step) (void)world_->step();
-        EXPECT_EQ(world_->restore(bytes.data(), size), SnapshotFault::none);
+        EXPECT_EQ(restore(*world_, bytes), SnapshotFault::none);
     }
     [[nodiscard]] World<S>& world() { return *world_; }
     [[nodiscard]] const Hashes& hashes() const { return hashes_; }

@@ -4,8 +4,8 @@
 
 #include "contact_cases.hpp"
 #include "kinds.hpp"
+#include "snapshots.hpp"
 
-#include <cstdint>
 #include <initializer_list>
 #include <optional>
 #include <vector>
@@ -305,11 +305,9 @@ TYPED_TEST(ContactReadoutsOfKind, a_body_that_is_set_elsewhere_ends_its_contacts
 
 TYPED_TEST(ContactReadoutsOfKind, bodies_that_are_restored_have_no_contacts_before_the_next_step) {
     typename TestFixture::Tower tower;
-    std::vector<std::uint8_t> bytes(1024);
-    const int size = tower.world.save(bytes.data(), static_cast<int>(bytes.size()), SnapshotPart::bodies);
-    ASSERT_GT(size, 0);
+    const auto bytes = save(tower.world, SnapshotPart::bodies);
     tower.world.step();
-    ASSERT_EQ(tower.world.restore(bytes.data(), size), SnapshotFault::none);
+    ASSERT_EQ(restore(tower.world, bytes), SnapshotFault::none);
     EXPECT_FALSE(tower.load(0, -1));
     tower.world.step();
     EXPECT_NEAR(tower.load(0, -1).value_or(0), 3, 1e-6);
@@ -319,9 +317,7 @@ TYPED_TEST(ContactReadoutsOfKind, a_restored_world_reads_the_same) {
     typename TestFixture::Tower tower, other;
     tower.world.apply_impulse(tower.body[2], {Real{2}, Real{1}, Real{0.5}});
     for (int step = 0; step < 60; ++step) {
-        std::vector<std::uint8_t> bytes(static_cast<std::size_t>(tower.world.snapshot_size()));
-        ASSERT_GT(tower.world.save(bytes.data(), static_cast<int>(bytes.size())), 0);
-        ASSERT_EQ(other.world.restore(bytes.data(), static_cast<int>(bytes.size())), SnapshotFault::none);
+        ASSERT_EQ(restore(other.world, save(tower.world)), SnapshotFault::none);
         const auto read = [](const auto& t) { return readings(t.world, {t.body[0], t.body[1], t.body[2]}); };
         EXPECT_EQ(read(tower), read(other));
         tower.world.step();
