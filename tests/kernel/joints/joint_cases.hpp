@@ -44,6 +44,43 @@ inline constexpr Features features_of = shared;
     }
     return 2 * std::numbers::pi * std::sqrt(inertia / moment) / a;
 }
+
+// In doubles, in axes of the world.
+[[nodiscard]] inline double length(const Vector3<double>& x) { return std::sqrt(dot(x, x)); }
+[[nodiscard]] Vector3<double> place(const auto& world, BodyId id) {
+    const auto& x = world.state(id).x_w;
+    return {x.x.to_real().to_double(), x.y.to_real().to_double(), x.z.to_real().to_double()};
+}
+[[nodiscard]] Vector3<double> velocity(const auto& world, BodyId id) {
+    return world.velocity(id).template as<double>();
+}
+[[nodiscard]] Vector3<double> spin(const auto& world, BodyId id) {
+    return rotate(world.orientation(id).template as<double>(), world.angular_velocity(id).template as<double>());
+}
+// N s, and N m s about the origin, of all bodies.
+[[nodiscard]] std::array<Vector3<double>, 2> momenta(const auto& world) {
+    Vector3<double> p{}, l{};
+    for (int b = 0; b < world.body_count(); ++b) {
+        const BodyId id{b};
+        const auto of_body = velocity(world, id) * static_cast<double>(world.mass(id));
+        const Vector3<double> w = world.angular_velocity(id).template as<double>();
+        const InertiaTensor i = world.inertia(id);
+        const Vector3<double> of_spin{i.xx.to_double() * w.x + i.xy.to_double() * w.y + i.xz.to_double() * w.z,
+                                      i.xy.to_double() * w.x + i.yy.to_double() * w.y + i.yz.to_double() * w.z,
+                                      i.xz.to_double() * w.x + i.yz.to_double() * w.y + i.zz.to_double() * w.z};
+        p += of_body;
+        l += cross(place(world, id), of_body) + rotate(world.orientation(id).template as<double>(), of_spin);
+    }
+    return {p, l};
+}
+// J, of all bodies.
+[[nodiscard]] double energy(const auto& world) {
+    double sum = 0;
+    for (int b = 0; b < world.body_count(); ++b)
+        sum += static_cast<double>(world.kinetic_energy(BodyId{b})) +
+               static_cast<double>(world.potential_energy(BodyId{b}));
+    return sum;
+}
 }  // namespace joint_cases
 
 // The kinds of worlds of these cases; `More` those of the deep set besides.
@@ -65,40 +102,6 @@ protected:
     [[nodiscard]] static World floating(Seconds step = {1, 256}) { return World{step, {}}; }
     static void run(World& world, int steps) {
         for (int i = 0; i < steps; ++i) (void)world.step();
-    }
-    [[nodiscard]] static Vector3<double> place(const World& world, BodyId id) {
-        const auto& x = world.state(id).x_w;
-        return {x.x.to_real().to_double(), x.y.to_real().to_double(), x.z.to_real().to_double()};
-    }
-    [[nodiscard]] static Vector3<double> velocity(const World& world, BodyId id) {
-        return world.velocity(id).template as<double>();
-    }
-    [[nodiscard]] static Vector3<double> spin(const World& world, BodyId id) {
-        return rotate(world.orientation(id).template as<double>(), world.angular_velocity(id).template as<double>());
-    }
-    [[nodiscard]] static double length(const Vector3<double>& x) { return std::sqrt(dot(x, x)); }
-    // N s, and N m s about the origin, of all bodies.
-    [[nodiscard]] static std::array<Vector3<double>, 2> momenta(const World& world) {
-        Vector3<double> p{}, l{};
-        for (int b = 0; b < world.body_count(); ++b) {
-            const BodyId id{b};
-            const auto of_body = velocity(world, id) * static_cast<double>(world.mass(id));
-            const auto w = world.angular_velocity(id).template as<double>();
-            const InertiaTensor i = world.inertia(id);
-            p += of_body;
-            l += cross(place(world, id), of_body) +
-                 rotate(world.orientation(id).template as<double>(),
-                        Vector3<double>{i.xx.to_double() * w.x, i.yy.to_double() * w.y, i.zz.to_double() * w.z});
-        }
-        return {p, l};
-    }
-    // J, of all bodies.
-    [[nodiscard]] static double energy(const World& world) {
-        double sum = 0;
-        for (int b = 0; b < world.body_count(); ++b)
-            sum += static_cast<double>(world.kinetic_energy(BodyId{b})) +
-                   static_cast<double>(world.potential_energy(BodyId{b}));
-        return sum;
     }
     [[nodiscard]] static auto joint(const World& world, int j = 0) { return world.template joint<double>(JointId{j}); }
 };

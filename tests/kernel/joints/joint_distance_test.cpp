@@ -16,7 +16,12 @@ inline constexpr Features tied{
     .bodies = 6, .springs = 1, .joints = 6, .distances = true, .control = true, .removal = true, .snapshots = true};
 using DistanceKinds = JointKinds<Kind<Q32<FieldRange>, integrators::Verlet>>;
 
+using joint_cases::energy;
 using joint_cases::g;
+using joint_cases::length;
+using joint_cases::momenta;
+using joint_cases::place;
+using joint_cases::velocity;
 
 template <class W>
 class Distances : public JointCases<W, tied> {
@@ -44,20 +49,20 @@ TYPED_TEST(Distances, a_ball_on_a_rod_swings_as_the_mathematical_pendulum) {
     for (const int rate : {256, 512}) {
         auto world = this->falling({1, rate});
         const BodyId ball = this->hang(world, {std::sin(2.5), -std::cos(2.5), 0}, {}, 1, 1);
-        const double start = this->energy(world);
+        const double start = energy(world);
         double x = 1, passed = 0, passages = 0, t = 0;
         for (int step = 1; passages < 3; ++step) {
             this->run(world, 1);
-            const auto at = this->place(world, ball);
-            EXPECT_NEAR(this->length(at), 1, this->closed);
+            const auto at = place(world, ball);
+            EXPECT_NEAR(length(at), 1, this->closed);
             if (at.y < 0 && x * at.x <= 0) {
-                const double v = this->velocity(world, ball).x;
+                const double v = velocity(world, ball).x;
                 t = (step - at.x / v * rate) / rate;
                 if (++passages == 1) passed = t;
             }
             x = at.x;
         }
-        EXPECT_NEAR(this->energy(world), start, 1e-3 * 2 * g);
+        EXPECT_NEAR(energy(world), start, 1e-3 * 2 * g);
         errors.push_back(std::abs((t - passed) / period - 1));
         EXPECT_EQ(this->limit(world), 1);
         EXPECT_TRUE(world.status().ok());
@@ -80,12 +85,12 @@ TYPED_TEST(Distances, the_energy_on_a_rod_has_no_trend) {
     constexpr int window = 4096;
     for (int i = 0; i < window; ++i) {
         this->run(world, 1);
-        first += this->energy(world) / window;
+        first += energy(world) / window;
     }
     this->run(world, 20000);
     for (int i = 0; i < window; ++i) {
         this->run(world, 1);
-        last += this->energy(world) / window;
+        last += energy(world) / window;
     }
     EXPECT_NEAR(last, first, (this->is_single ? 3e-3 : 3e-4) * g);
     EXPECT_TRUE(world.status().ok());
@@ -113,11 +118,11 @@ TYPED_TEST(Distances, what_hangs_on_a_slack_rope_flies_freely) {
     this->run(alone, 128);
     // A step of order four is flown in pieces, which round.
     if (this->order == 2) { EXPECT_EQ(world.hash(), alone.hash()); }
-    EXPECT_LT(this->length(this->place(world, ball) - this->place(alone, free)), this->order == 2 ? 1e-300 : 1e-13);
+    EXPECT_LT(length(place(world, ball) - place(alone, free)), this->order == 2 ? 1e-300 : 1e-13);
     const auto joint = world.template joint<double>(JointId{0});
     EXPECT_EQ(joint.at_limit, 0);
     EXPECT_EQ(joint.force.x, 0);
-    EXPECT_NEAR(joint.travel, this->length(this->place(world, ball)), 1e-6);
+    EXPECT_NEAR(joint.travel, length(place(world, ball)), 1e-6);
 }
 
 // It falls by 1 m and hangs.
@@ -127,12 +132,12 @@ TYPED_TEST(Distances, a_rope_that_goes_taut_stops_what_falls) {
     int taut_at = 0;
     for (int step = 1; step <= 256; ++step) {
         this->run(world, 1);
-        EXPECT_LT(this->length(this->place(world, ball)), 2 + this->closed);
+        EXPECT_LT(length(place(world, ball)), 2 + this->closed);
         if (taut_at == 0 && this->limit(world) == 1) taut_at = step;
     }
     EXPECT_NEAR(taut_at / 256.0, std::sqrt(2 / g), 1.0 / 256);
-    EXPECT_NEAR(this->place(world, ball).y, -2, 1e-6);
-    EXPECT_NEAR(this->velocity(world, ball).y, 0, 1e-5);
+    EXPECT_NEAR(place(world, ball).y, -2, 1e-6);
+    EXPECT_NEAR(velocity(world, ball).y, 0, 1e-5);
     EXPECT_NEAR(world.template joint<double>(JointId{0}).force.y, 2 * g, 0.01);
     EXPECT_TRUE(world.status().ok());
 }
@@ -145,11 +150,11 @@ TYPED_TEST(Distances, going_taut_ends_the_speed_along_the_rope_alone) {
         (void)this->hang(world, {1.2, 0, 0}, {}, 0, 1.5);
         double before = 0;
         while (this->limit(world) == 0) {
-            before = this->energy(world);
+            before = energy(world);
             this->run(world, 1);
         }
         // Of 2 kg: g 0.9 m of energy, of which 9/25 go.
-        const double lost = before - this->energy(world);
+        const double lost = before - energy(world);
         error = std::abs(lost / (2 * g * 0.9 * 9 / 25) - 1);
         EXPECT_LT(error, 5.0 / rate);
     }
@@ -162,8 +167,8 @@ TYPED_TEST(Distances, a_rope_goes_slack_where_its_force_ends) {
     this->run(world, 4);
     EXPECT_EQ(this->limit(world), 1);
     for (int step = 0; step < 256 && this->limit(world) == 1; ++step) this->run(world, 1);
-    EXPECT_NEAR(this->place(world, ball).y, 0.5, 0.02);
-    const auto v = this->velocity(world, ball);
+    EXPECT_NEAR(place(world, ball).y, 0.5, 0.02);
+    const auto v = velocity(world, ball);
     EXPECT_NEAR(dot(v, v), g / 2, 0.2);
 }
 
@@ -175,9 +180,9 @@ TYPED_TEST(Distances, a_least_distance_presses_and_does_not_pull) {
     EXPECT_EQ(this->limit(world), -1);
     double y = 1;
     for (int step = 0; step < 1024 && this->limit(world) == -1; ++step) {
-        y = this->place(world, ball).y;
+        y = place(world, ball).y;
         this->run(world, 1);
-        EXPECT_GT(this->length(this->place(world, ball)), 1 - this->closed);
+        EXPECT_GT(length(place(world, ball)), 1 - this->closed);
     }
     EXPECT_NEAR(y, 2.0 / 3, 0.02);
 }
@@ -195,11 +200,11 @@ TYPED_TEST(Distances, the_energy_on_ropes_never_rises) {
         (void)world.add(rope);
         from = to;
     }
-    const double start = this->energy(world), scale = 4 * g;
+    const double start = energy(world), scale = 4 * g;
     double least = start, largest = 0;
     for (int step = 0; step < 8192; ++step) {
         this->run(world, 1);
-        const double now = this->energy(world);
+        const double now = energy(world);
         largest = std::max(largest, now - least);
         least = std::min(least, now);
         for (int j = 0; j < 4; ++j) EXPECT_LT(world.template joint<double>(JointId{j}).travel, 0.55 + 1e-5) << step;
@@ -216,17 +221,17 @@ TYPED_TEST(Distances, a_rope_between_two_bodies_keeps_momentum_and_angular_momen
                  b = world.add(at(box(3, {0.5, 0.25, 0.5}), {0.5, 0, 0}, {1, 0, 0.25}));
     (void)world.add(
         DistanceSpec{.body = a, .to_body = b, .point = {-0.5, 0.25, 0}, .to_point = {0.5, -0.125, 0}, .most = 1.5});
-    const auto before = this->momenta(world);
+    const auto before = momenta(world);
     bool was_taut = false;
     for (int step = 0; step < 512; ++step) {
         this->run(world, 1);
         was_taut = was_taut || this->limit(world) == 1;
     }
-    const auto after = this->momenta(world);
+    const auto after = momenta(world);
     EXPECT_TRUE(was_taut);
     EXPECT_GT(std::abs(static_cast<double>(world.angular_velocity(a).z)), 0.1);
-    EXPECT_LT(this->length(after[0] - before[0]), this->is_single ? 1e-4 : 5e-6);
-    EXPECT_LT(this->length(after[1] - before[1]), this->is_single ? 1e-3 : 1e-5);
+    EXPECT_LT(length(after[0] - before[0]), this->is_single ? 1e-4 : 5e-6);
+    EXPECT_LT(length(after[1] - before[1]), this->is_single ? 1e-3 : 1e-5);
     EXPECT_TRUE(world.status().ok());
 }
 
@@ -240,12 +245,12 @@ TYPED_TEST(Distances, rods_and_hinges_stay_closed_together) {
     (void)world.add(DistanceSpec{
         .body = crank, .to_body = arm, .point = {1, -0.75, 0}, .to_point = {1, 0, 0}, .least = 0.75, .most = 0.75});
     const JointId ball = world.add(BallSpec{.body = tip, .to_body = crank, .anchor = {1, -1.15, 0}});
-    const double start = this->energy(world);
+    const double start = energy(world);
     for (int step = 0; step < 2048; ++step) {
         this->run(world, 1);
         EXPECT_NEAR(world.template joint<double>(JointId{1}).travel, 0.75, this->is_single ? 4e-6 : 1e-7);
     }
-    EXPECT_NEAR(this->energy(world), start, 0.02 * g);
+    EXPECT_NEAR(energy(world), start, 0.02 * g);
     EXPECT_TRUE(world.contains(ball));
     EXPECT_TRUE(world.status().ok());
 }
@@ -362,11 +367,11 @@ TYPED_TEST(Distances, a_pose_beyond_the_rope_is_brought_back) {
     this->run(world, 16);
     world.set_pose(ball, {0, -1.25, 0});
     this->run(world, 1);
-    EXPECT_NEAR(this->length(this->place(world, ball)), 1, 1e-6);
+    EXPECT_NEAR(length(place(world, ball)), 1, 1e-6);
     world.set_pose(ball, {0, -0.5, 0});
     this->run(world, 1);
     EXPECT_EQ(this->limit(world), 0);
-    EXPECT_NEAR(this->place(world, ball).y, -0.5, 0.01);
+    EXPECT_NEAR(place(world, ball).y, -0.5, 0.01);
     EXPECT_TRUE(world.status().ok());
 }
 
@@ -377,7 +382,7 @@ TYPED_TEST(Distances, a_blow_towards_the_other_end_slackens_a_rope) {
     this->run(world, 16);
     world.apply_impulse(ball, {0, 4, 0});
     this->run(world, 1);
-    EXPECT_NEAR(this->velocity(world, ball).y, 2 - g / 256, 0.01);
+    EXPECT_NEAR(velocity(world, ball).y, 2 - g / 256, 0.01);
     EXPECT_EQ(this->limit(world), 0);
     world.set_velocity(ball, {0, 0, 0});
     this->run(world, 256);

@@ -12,6 +12,7 @@ namespace {
 
 inline constexpr Features limited{
     .bodies = 4, .joints = 4, .joint_springs = true, .joint_limits = true, .removal = true, .snapshots = true};
+using joint_cases::energy;
 using joint_cases::g;
 
 template <class W>
@@ -176,12 +177,12 @@ TYPED_TEST(Limits, the_energy_at_limits_never_rises) {
     (void)world.add(at(box(1, {1, 0.1, 0.1}), {1.5, 0, 0}));
     (void)world.add(HingeSpec{.body = 0});
     (void)world.add(HingeSpec{.body = 1, .to_body = 0, .anchor = {1, 0, 0}, .limits = {-0.25, 1.5}});
-    const double start = this->energy(world);
+    const double start = energy(world);
     double least = start, largest = 0;
     bool was_held = false;
     for (int step = 0; step < 8192; ++step) {
         this->run(world, 1);
-        const double now = this->energy(world);
+        const double now = energy(world);
         largest = std::max(largest, now - least);
         least = std::min(least, now);
         was_held = was_held || this->joint(world, 1).at_limit != 0;

@@ -18,6 +18,10 @@ inline constexpr Features sprung{.bodies = 4,
                                  .snapshots = true};
 using SpringKinds = JointKinds<Kind<F64, integrators::Strang>>;
 
+using joint_cases::length;
+using joint_cases::momenta;
+using joint_cases::spin;
+
 template <class W>
 class JointSprings : public JointCases<W, sprung> {
 protected:
@@ -202,12 +206,12 @@ TYPED_TEST(JointSprings, springs_of_joints_keep_momentum_and_angular_momentum) {
                                .axis = {1, 1, 0},
                                .spring = {.stiffness = 40, .rest = 0.25}});
     this->run(world, 1);  // ends the rates across the joints
-    const auto before = this->momenta(world);
+    const auto before = momenta(world);
     this->run(world, 512);
-    const auto after = this->momenta(world);
+    const auto after = momenta(world);
     constexpr bool is_coarse = TestFixture::N::fixed_point || TestFixture::is_single;  // in a tree of 10 kg
-    EXPECT_LT(this->length(after[0] - before[0]), is_coarse ? 3e-4 : 5e-6);
-    EXPECT_LT(this->length(after[1] - before[1]), is_coarse ? 2e-3 : 2e-5);
+    EXPECT_LT(length(after[0] - before[0]), is_coarse ? 3e-4 : 5e-6);
+    EXPECT_LT(length(after[1] - before[1]), is_coarse ? 2e-3 : 2e-5);
     EXPECT_TRUE(world.status().ok());
 }
 
@@ -267,9 +271,9 @@ TYPED_TEST(JointSprings, a_spring_goes_with_its_joint_and_is_in_snapshots) {
     this->run(same, 100);
     EXPECT_EQ(saved.hash(), same.hash());
     saved.remove(JointId{0});
-    const double speed = this->spin(saved, BodyId{0}).z;
+    const double speed = spin(saved, BodyId{0}).z;
     this->run(saved, 100);
-    EXPECT_NEAR(this->spin(saved, BodyId{0}).z, speed, 1e-6);
+    EXPECT_NEAR(spin(saved, BodyId{0}).z, speed, 1e-6);
 }
 
 }  // namespace
