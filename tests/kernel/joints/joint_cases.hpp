@@ -5,6 +5,7 @@
 
 #include "kinds.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -80,6 +81,38 @@ inline constexpr Features features_of = shared;
         sum += static_cast<double>(world.kinetic_energy(BodyId{b})) +
                static_cast<double>(world.potential_energy(BodyId{b}));
     return sum;
+}
+
+// The mean energies in `window` steps, and in as many after `between` steps.
+[[nodiscard]] std::array<double, 2> mean_energies(auto& world, const auto& energy, int window, int between) {
+    const auto mean = [&] {
+        double sum = 0;
+        for (int i = 0; i < window; ++i) {
+            (void)world.step();
+            sum += energy();
+        }
+        return sum / window;
+    };
+    const double first = mean();
+    for (int i = 0; i < between; ++i) (void)world.step();
+    return {first, mean()};
+}
+// In so many steps, after each of which `check` is called with its number.
+struct EnergyChange {
+    double rise;  // J, the largest above the least energy before
+    double fall;  // J, from the start to the least energy
+};
+[[nodiscard]] EnergyChange energy_change(auto& world, int steps, const auto& check) {
+    const double start = energy(world);
+    double least = start, rise = 0;
+    for (int step = 0; step < steps; ++step) {
+        (void)world.step();
+        const double now = energy(world);
+        rise = std::max(rise, now - least);
+        least = std::min(least, now);
+        check(step);
+    }
+    return {rise, start - least};
 }
 }  // namespace joint_cases
 

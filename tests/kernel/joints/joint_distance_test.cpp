@@ -81,17 +81,8 @@ TYPED_TEST(Distances, the_energy_on_a_rod_has_no_trend) {
                                  .to_point = {0.25, 0, 0.25},
                                  .least = std::sqrt(1.125),
                                  .most = std::sqrt(1.125)});
-    double first = 0, last = 0;
-    constexpr int window = 4096;
-    for (int i = 0; i < window; ++i) {
-        this->run(world, 1);
-        first += energy(world) / window;
-    }
-    this->run(world, 20000);
-    for (int i = 0; i < window; ++i) {
-        this->run(world, 1);
-        last += energy(world) / window;
-    }
+    const auto [first, last] = joint_cases::mean_energies(
+        world, [&] { return energy(world); }, 4096, 20000);
     EXPECT_NEAR(last, first, (this->is_single ? 3e-3 : 3e-4) * g);
     EXPECT_TRUE(world.status().ok());
 }
@@ -200,17 +191,11 @@ TYPED_TEST(Distances, the_energy_on_ropes_never_rises) {
         (void)world.add(rope);
         from = to;
     }
-    const double start = energy(world), scale = 4 * g;
-    double least = start, largest = 0;
-    for (int step = 0; step < 8192; ++step) {
-        this->run(world, 1);
-        const double now = energy(world);
-        largest = std::max(largest, now - least);
-        least = std::min(least, now);
+    const auto [rise, fall] = joint_cases::energy_change(world, 8192, [&](int step) {
         for (int j = 0; j < 4; ++j) EXPECT_LT(world.template joint<double>(JointId{j}).travel, 0.55 + 1e-5) << step;
-    }
-    EXPECT_LT(largest / scale, 0.01);
-    EXPECT_LT(least, start - 0.1);
+    });
+    EXPECT_LT(rise / (4 * g), 0.01);
+    EXPECT_GT(fall, 0.1);
     EXPECT_FALSE(world.status().has(Issue::joint_open));
 }
 

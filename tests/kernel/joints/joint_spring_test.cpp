@@ -79,17 +79,7 @@ TYPED_TEST(JointSprings, the_energy_of_a_sprung_arm_has_no_trend) {
     };
     const double start = energy();
     EXPECT_NEAR(start, 10 * 0.75 * 0.75, 1e-5);
-    double first = 0, last = 0;
-    constexpr int window = 2048;
-    for (int i = 0; i < window; ++i) {
-        this->run(world, 1);
-        first += energy() / window;
-    }
-    this->run(world, 20000);
-    for (int i = 0; i < window; ++i) {
-        this->run(world, 1);
-        last += energy() / window;
-    }
+    const auto [first, last] = joint_cases::mean_energies(world, energy, 2048, 20000);
     EXPECT_NEAR(first, start, 0.01 * start);
     EXPECT_NEAR(last, first, 1e-3 * start);
     EXPECT_TRUE(world.status().ok());

@@ -248,18 +248,10 @@ protected:
     // The mean energy over `window` steps at the end less that over as many at the beginning.
     [[nodiscard]] static double energy_moved(Mechanism m, int window, int steps) {
         m.run(1);
-        double first = 0, last = 0;
-        for (int i = 0; i < window; ++i) {
-            m.run(1);
-            first += m.energy();
-        }
-        m.run(steps - 2 * window);
-        for (int i = 0; i < window; ++i) {
-            m.run(1);
-            last += m.energy();
-        }
+        const auto [first, last] = joint_cases::mean_energies(
+            m.world, [&] { return m.energy(); }, window, steps - 2 * window);
         EXPECT_TRUE(m.world.status().ok());
-        return (last - first) / window;
+        return last - first;
     }
     // The error at 1/256 s by Richardson's extrapolation, and how many times that at 1/512 s is smaller.
     template <class Make>
