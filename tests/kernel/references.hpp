@@ -52,10 +52,6 @@ protected:
     body.orientation = orientation;
     return body;
 }
-[[nodiscard]] inline BodySpec fixed(BodySpec body) {
-    body.fixed = true;
-    return body;
-}
 // The moments of a body whose tensor is diagonal in its own axes.
 [[nodiscard]] inline Vector moments_of(const BodySpec& body) {
     return {number(body.inertia.xx), number(body.inertia.yy), number(body.inertia.zz)};

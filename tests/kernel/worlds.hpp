@@ -72,6 +72,11 @@ inline constexpr Features with_points_among_bodies{
     .bodies = 4, .springs = 3, .point_masses = true, .drag = true, .forces = true, .impulses = true};
 inline constexpr Features with_point_and_plane{.bodies = 2, .planes = 1, .springs = 1, .point_masses = true};
 
+[[nodiscard]] inline BodySpec fixed(BodySpec body) {
+    body.fixed = true;
+    return body;
+}
+
 // A kind of world, for tests that are typed by it.
 template <class N, class Method>
 struct Kind {

@@ -35,10 +35,6 @@ constexpr WorldSpec falling{.gravity = {0, -9.81, 0}};
     body.layers = static_cast<std::uint16_t>(layers);
     return body;
 }
-[[nodiscard]] BodySpec fixed(BodySpec body) {
-    body.fixed = true;
-    return body;
-}
 void run(auto& world, int steps) {
     for (int i = 0; i < steps; ++i) (void)world.step();
 }

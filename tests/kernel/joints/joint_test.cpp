@@ -43,10 +43,6 @@ using joint_cases::length;
     body.orientation = orientation;
     return body;
 }
-[[nodiscard]] BodySpec fixed(BodySpec body) {
-    body.fixed = true;
-    return body;
-}
 // A world with joints, and what the test knows of them in double.
 template <class W>
 class Mechanism {
