@@ -44,6 +44,13 @@ void init();
 // core stops at the first call. Text that is lost turns a later exit(0) into text_lost_status.
 void write(std::string_view text);
 inline void write(const char* text, std::size_t size) { write(std::string_view{text, size}); }
+// Writes a hash as 16 hexadecimal digits and the end of the line.
+inline void write_hash(std::uint64_t hash) {
+    char line[17];
+    for (int i = 0; i < 16; ++i) line[i] = "0123456789abcdef"[(hash >> (60 - 4 * i)) & 15];
+    line[16] = '\n';
+    write(line, sizeof line);
+}
 
 // Bytes of stack used at the deepest point since init(), counted from the top of the stack, the caller's frames
 // included. It may hold one exception frame too much (32 bytes; 104 with an FPU) if the counter wrapped at that point,

@@ -69,12 +69,6 @@ void write(const char* name, tumble::Real energy) {
     tumble::port::write(name);
     tumble::port::write({first, static_cast<std::size_t>(line + sizeof line - first)});
 }
-void write_hash(std::uint64_t hash) {
-    char line[17];
-    for (int i = 0; i < 16; ++i) line[i] = "0123456789abcdef"[(hash >> (60 - 4 * i)) & 15];
-    line[16] = '\n';
-    tumble::port::write(line, sizeof line);
-}
 
 }  // namespace
 
@@ -93,6 +87,6 @@ int main() {
     }
     write("first tenth: ", first);
     write("last tenth: ", last);
-    write_hash(world.hash());
+    tumble::port::write_hash(world.hash());
     return abs(last - first) < scale * (steps < 100'000 ? 0.001 : 0.00005) ? 0 : 3;
 }

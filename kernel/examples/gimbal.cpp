@@ -57,13 +57,6 @@ constinit Mechanism gimbal = [] {
 bool is_within(tumble::Real value, tumble::Real wanted, tumble::Real most) { return abs(value - wanted) < most; }
 tumble::Real real(float value) { return tumble::Real{value}; }
 
-void write_hash(std::uint64_t hash) {
-    char line[17];
-    for (int i = 0; i < 16; ++i) line[i] = "0123456789abcdef"[(hash >> (60 - 4 * i)) & 15];
-    line[16] = '\n';
-    tumble::port::write(line, sizeof line);
-}
-
 }  // namespace
 
 int main() {
@@ -77,6 +70,6 @@ int main() {
                        speed = real(gimbal.world.joint<float>(gimbal.rotor_bearing).speed);
     if (!is_within(angle, precession * steps * tumble::Real::scaled(1, -8), 1e-3)) return 3;
     if (!is_within(speed, spin, 0.001)) return 4;
-    write_hash(gimbal.world.hash());
+    tumble::port::write_hash(gimbal.world.hash());
     return 0;
 }

@@ -14,13 +14,6 @@ constinit tumble::Replay<Cube::Config, Cube> replay;  // the compiler sets it up
 
 bool is_near(tumble::Scaled value, Real wanted) { return abs(value.to_real() - wanted) < 1e-3; }
 
-void write_hash(std::uint64_t hash) {
-    char line[17];
-    for (int i = 0; i < 16; ++i) line[i] = "0123456789abcdef"[(hash >> (60 - 4 * i)) & 15];
-    line[16] = '\n';
-    tumble::port::write(line, sizeof line);
-}
-
 }  // namespace
 
 int main() {
@@ -35,6 +28,6 @@ int main() {
         if (!is_near(w.x, 0) || !is_near(w.y, 0.96) || !is_near(w.z, -1.44)) return 2;
         if (!(world.velocity(cube).x > 2)) return 3;
     }
-    write_hash(replay.world().hash());
+    tumble::port::write_hash(replay.world().hash());
     return 0;
 }

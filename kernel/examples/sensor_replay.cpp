@@ -46,13 +46,6 @@ struct Sample {
     return s;
 }
 
-void write_hexadecimal(std::uint64_t value) {
-    char line[17];
-    for (int i = 0; i < 16; ++i) line[i] = "0123456789abcdef"[(value >> (60 - 4 * i)) & 15];
-    line[16] = '\n';
-    tumble::port::write(line, sizeof line);
-}
-
 }  // namespace
 
 int main() {
@@ -70,6 +63,6 @@ int main() {
         if (!(square > 2.98F && square < 3.01F)) return 1;  // 0.96^2 + 1.44^2 = 2.995
     }
     if (!replay.world().status().ok()) return 2;
-    write_hexadecimal(hash.value());
+    tumble::port::write_hash(hash.value());
     return 0;
 }

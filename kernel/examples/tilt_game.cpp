@@ -75,13 +75,6 @@ Sample read_sensor(int step) {
     game.step();
 }
 
-void write_hexadecimal(std::uint64_t value) {
-    char line[17];
-    for (int i = 0; i < 16; ++i) line[i] = "0123456789abcdef"[(value >> (60 - 4 * i)) & 15];
-    line[16] = '\n';
-    tumble::port::write(line, sizeof line);
-}
-
 }  // namespace
 
 int main() {
@@ -111,6 +104,6 @@ int main() {
         game.step();
     }
     if (game.hash() != hash) return 5;
-    write_hexadecimal(hash);
+    tumble::port::write_hash(hash);
     return 0;
 }
