@@ -170,30 +170,12 @@ std::vector<Problem> problems(int most) {
                           .steps(std::clamp(20000 / bodies, 16, 256))
                           .within(0.02)
                           .moves());
-        all.push_back(Maker{box}
-                          .named("boxes at rest on a plane")
-                          .bodies(bodies)
-                          .steps(steps)
-                          .within(0.01)
-                          .fails_above(1000, no_memory)
-                          .rests(before));
-        all.push_back(Maker{box}
-                          .named("boxes at rest, looking for each other")
-                          .bodies(bodies)
-                          .touching()
-                          .steps(steps)
-                          .within(0.01)
-                          .fails_above(1000, no_memory)
-                          .rests(before));
-        all.push_back(Maker{box}
-                          .named("boxes at rest in air, looking for each other")
-                          .bodies(bodies)
-                          .touching()
-                          .in_air()
-                          .steps(steps)
-                          .within(0.01)
-                          .fails_above(1000, no_memory)
-                          .rests(before));
+        const auto boxes = [&](const char* name) {
+            return Maker{box}.named(name).bodies(bodies).steps(steps).within(0.01).fails_above(1000, no_memory);
+        };
+        all.push_back(boxes("boxes at rest on a plane").rests(before));
+        all.push_back(boxes("boxes at rest, looking for each other").touching().rests(before));
+        all.push_back(boxes("boxes at rest in air, looking for each other").touching().in_air().rests(before));
         all.push_back(
             Maker{box}.named("boxes asleep on a plane").bodies(bodies).sleeping().steps(steps).within(0.01).rests(128));
     }
