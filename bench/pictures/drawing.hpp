@@ -44,6 +44,20 @@ inline constexpr const char* logarithmic_axes =
         x / width, (x + panel_width) / width, y / height, (y + panel_height) / height);
 }
 
+// Labels from the left to the right; sizes in pixels.
+struct Legend {
+    std::string& script;    // to which gnuplot's commands are added
+    double width, height;   // of the picture
+    double character, gap;  // what a label takes: each character, and behind it
+    double x;               // of the next label
+
+    void add(const std::string& what, double from_top, const std::string& more) {
+        script += text("set label '%s' noenhanced at screen %g,%g %s\n", what.c_str(), x / width, 1 - from_top / height,
+                       more.c_str());
+        x += character * static_cast<double>(what.size()) + gap;
+    }
+};
+
 // Writes to `svg` what svg_by_gnuplot() draws, in fewer characters: tenths of a pixel, and no groups of nothing.
 void draw(const std::string& script, const std::filesystem::path& svg);
 

@@ -67,20 +67,15 @@ private:
     [[nodiscard]] double height() const { return top + rungs() * row_height() + bottom; }
 
     void legend(std::string& out) const {
-        double x = left;
-        const auto add = [&](const std::string& what, double from_top, const std::string& more) {
-            out += text("set label '%s' noenhanced at screen %g,%g %s\n", what.c_str(), x / width(),
-                        1 - from_top / height(), more.c_str());
-            x += 0.58 * font_size * static_cast<double>(what.size()) + 14;
-        };
+        Legend labels{out, width(), height(), 0.58 * font_size, 14, left};
         for (std::size_t i = 0; i < ladders_.size(); ++i) {
-            add("", 20, text("point pointtype 5 pointsize 1 linecolor '%s'", shades[i].dark));
-            add(ladders_[i].name(), 20, "");
+            labels.add("", 20, text("point pointtype 5 pointsize 1 linecolor '%s'", shades[i].dark));
+            labels.add(ladders_[i].name(), 20, "");
         }
-        x = left - 8;
-        add("dark: what the feature adds to those above it, in numbers for " + ladders_[written_].name() +
-                "; upright line: the worst step",
-            44, "textcolor '#606060'");
+        labels.x = left - 8;
+        labels.add("dark: what the feature adds to those above it, in numbers for " + ladders_[written_].name() +
+                       "; upright line: the worst step",
+                   44, "textcolor '#606060'");
     }
 
     void panel(std::string& out, std::size_t index) const {

@@ -144,31 +144,27 @@ private:
     static double height() { return top + panel_rows * (panel_height + row_gap) - row_gap + bottom; }
 
     void legend(std::string& out) const {
-        double x = left;
-        const auto add = [&](const std::string& what, double from_top, const std::string& more) {
-            out += text("set label '%s' noenhanced at screen %g,%g %s\n", what.c_str(), x / width(),
-                        1 - from_top / height(), more.c_str());
-            x += 0.6 * font_size * static_cast<double>(what.size()) + 16;
-        };
-        add("What is conserved, over the number of steps", 20, "font ',16'");
-        x = left;
+        Legend labels{out, width(), height(), 0.6 * font_size, 16, left};
+        labels.add("What is conserved, over the number of steps", 20, "font ',16'");
+        labels.x = left;
         for (const NumberStyle& style : number_styles) {
             const auto of_style = [&](const Row& row) { return numbers_of(row) == style.numbers; };
             if (!std::any_of(rows_.begin(), rows_.end(), of_style)) continue;
-            add("", 44, text("point pointtype 5 pointsize 0.9 linecolor '%s'", style.color));
-            add(style.numbers, 44, text("textcolor '%s'", style.text_color));
+            labels.add("", 44, text("point pointtype 5 pointsize 0.9 linecolor '%s'", style.color));
+            labels.add(style.numbers, 44, text("textcolor '%s'", style.text_color));
         }
-        x += 30;
+        labels.x += 30;
         for (const MethodStyle& style : method_styles) {
-            add("", 44,
-                text("point pointtype %d pointsize 0.7 linecolor '%s'", style.mark,
-                     shaded("#606060", style.shade).c_str()));
-            x -= 4;
-            add(style.integrator, 44, "textcolor '#404040'");
-            x += 8;
+            labels.add("", 44,
+                       text("point pointtype %d pointsize 0.7 linecolor '%s'", style.mark,
+                            shaded("#606060", style.shade).c_str()));
+            labels.x -= 4;
+            labels.add(style.integrator, 44, "textcolor '#404040'");
+            labels.x += 8;
         }
-        x = left;
-        add("each point: the largest since the point before; zero has no point; a method has its own shade of the "
+        labels.x = left;
+        labels.add(
+            "each point: the largest since the point before; zero has no point; a method has its own shade of the "
             "color",
             62, "textcolor '#606060' font ',11'");
     }

@@ -233,23 +233,18 @@ private:
 
     // The title, and what colors and marks mean.
     void legend(std::string& out) const {
-        double x = left;
-        const auto add = [&](const std::string& what, double from_top, const std::string& more) {
-            out += text("set label '%s' noenhanced at screen %g,%g %s\n", what.c_str(), x / width(),
-                        1 - from_top / height(), more.c_str());
-            x += character * static_cast<double>(what.size()) + 12;
-        };
-        add(scene_, 22, "font ',18'");
-        x = left;
+        Legend labels{out, width(), height(), character, 12, left};
+        labels.add(scene_, 22, "font ',18'");
+        labels.x = left;
         for (const NumberStyle& style : number_styles) {
             if (!is_labelled(style)) continue;
-            x += 5;
-            add("", 48, text("point pointtype %d pointsize 0.7 linecolor '%s'", style.mark, style.color));
-            add(style.numbers, 48, text("textcolor '%s'", style.text_color));
-            x += 10;
+            labels.x += 5;
+            labels.add("", 48, text("point pointtype %d pointsize 0.7 linecolor '%s'", style.mark, style.color));
+            labels.add(style.numbers, 48, text("textcolor '%s'", style.text_color));
+            labels.x += 10;
         }
-        add("marks: cheapest at some error; grey: the twelve next cheapest curves of a panel", 48,
-            "textcolor '#606060'");
+        labels.add("marks: cheapest at some error; grey: the twelve next cheapest curves of a panel", 48,
+                   "textcolor '#606060'");
     }
     [[nodiscard]] bool is_labelled(const NumberStyle& style) const {
         for (const Panel& panel : panels_)
