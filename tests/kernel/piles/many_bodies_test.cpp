@@ -16,9 +16,7 @@ struct Tray : Scene {
 // 255 balls and the floor are 256 pairs, which is 0 modulo 256.
 TEST(ManyBodies, a_tray_carries_as_many_balls_as_are_put_on_it) {
     for (const int balls : {200, 255, 256, 300}) {
-        WorldSpec spec;
-        spec.gravity = {0, -9.8125, 0};  // m/s^2
-        spec.contact.restitution = 0;
+        constexpr WorldSpec spec{.gravity = {0, -9.8125, 0}, .contact = {.restitution = 0}};
         const auto world = std::make_unique<World<Tray>>(Seconds{1, 256}, spec);
         ASSERT_TRUE(world->add(PlaneSpec{}));
         BodySpec tray = box(100, {20, 1, 20}), ball = sphere(1, Real{0.125});
@@ -264,9 +262,7 @@ private:
 
 // Two balls meet and part, two others later.
 TEST(ManyBodies, the_most_near_pairs_of_a_history_are_known) {
-    WorldSpec spec;
-    spec.contact.restitution = 1;
-    Play<F64, 64> play{spec};
+    Play<F64, 64> play{WorldSpec{.contact = {.restitution = 1}}};
     for (const int at : {4, 8}) {
         (void)play.add(sphere(1, Real{0.5}), {-at, 2 * at, 0}, {10, 0, 0});
         (void)play.add(sphere(1, Real{0.5}), {at, 2 * at, 0}, {-10, 0, 0});
@@ -295,11 +291,7 @@ protected:
         f(Play<N, 65>{spec});
     }
     static WorldSpec with_gravity() {
-        WorldSpec spec;
-        spec.gravity = {0, -9.8125, 0};  // m/s^2
-        spec.contact.restitution = Real{0.25};
-        spec.contact.friction = Real{0.5};
-        return spec;
+        return {.gravity = {0, -9.8125, 0}, .contact = {.restitution = 0.25, .friction = 0.5}};
     }
 };
 using Systems = Tested<testing::Types<Q32<>>, testing::Types<F64>>;
@@ -309,9 +301,7 @@ TYPED_TEST(Grids, find_the_pairs_of_a_heap) {
     this->expect_same(this->with_gravity(), [](auto& play) { return play.heap(24, 256); });
 }
 TYPED_TEST(Grids, find_the_pairs_of_small_bodies_that_fly_at_a_large_one) {
-    WorldSpec spec;
-    spec.gravity = {};
-    spec.contact.restitution = 1;
+    constexpr WorldSpec spec{.contact = {.restitution = 1}};
     const auto story = [](auto& play) { return play.sizes(30, 300); };
     this->expect_same(spec, story);
     // Few bodies look at all others, and not into cells.
@@ -338,9 +328,7 @@ TYPED_TEST(Grids, and_times_list_the_same_pairs_whatever_a_program_does) {
 
 // A ball is not seen later because it was added first.
 TYPED_TEST(Grids, and_times_find_what_is_pushed_in_time_in_each_order) {
-    WorldSpec spec;
-    spec.gravity = {};
-    spec.contact.restitution = 0;
+    constexpr WorldSpec spec{.contact = {.restitution = 0}};
     constexpr int orders[][3] = {{0, 1, 2}, {2, 1, 0}, {2, 0, 1}, {1, 2, 0}};
     for (const auto& order : orders)
         for (const double gap : {0.0625, 0.25, 0.375})
@@ -355,8 +343,7 @@ TYPED_TEST(Grids, and_times_find_what_is_pushed_in_time_in_each_order) {
 
 // The ball of the one that flies, of 0.5 m or of 1 m, is as large after its way as before.
 TYPED_TEST(Grids, find_what_flies_at_a_body_that_a_load_begins_to_push) {
-    WorldSpec spec;
-    spec.gravity = {};
+    const WorldSpec spec;
     for (const double radius : {0.248, 0.375, 0.498})
         for (const int steps : {1, 3, 7})
             for (const double room : {0.1975, 0.6975})
@@ -370,9 +357,7 @@ TYPED_TEST(Grids, find_what_flies_at_a_body_that_a_load_begins_to_push) {
 }
 
 TYPED_TEST(Grids, and_times_notice_what_comes_while_a_body_looks) {
-    WorldSpec spec;
-    spec.gravity = {};
-    spec.contact.restitution = 0;
+    constexpr WorldSpec spec{.contact = {.restitution = 0}};
     for (const bool is_first : {true, false}) {
         this->for_both(spec, [&](auto&& play) {
             EXPECT_NEAR(play.way_to_the_wall(is_first), 0.2, static_cast<double>(play.world().contact_tolerance()));
