@@ -47,11 +47,24 @@ std::set<std::string> keys_of(JointKind kind) {
 
 // Words of other programs, and what they are called here.
 constexpr std::pair<std::string_view, const char*> other_kinds[] = {
-    {"revolute", "a revolute joint is a hinge"},       {"pin", "a pin joint is a hinge"},
-    {"prismatic", "a prismatic joint is a slider"},    {"spherical", "a spherical joint is a ball"},
-    {"socket", "a ball and its socket are a ball"},    {"weld", "a weld is a fixed joint"},
-    {"cardan", "a cardan joint is a universal joint"}, {"rope", "a rope is a distance with most"},
-    {"cable", "a cable is a distance with most"},      {"rod", "a rod is a distance with length"},
+    {"revolute", "a revolute joint is a hinge"},
+    {"pin", "a pin joint is a hinge"},
+    {"prismatic", "a prismatic joint is a slider"},
+    {"spherical", "a spherical joint is a ball"},
+    {"socket", "a ball and its socket are a ball"},
+    {"weld", "a weld is a fixed joint"},
+    {"cardan", "a cardan joint is a universal joint"},
+    {"rope", "a rope is a distance with most"},
+    {"cable", "a cable is a distance with most"},
+    {"rod", "a rod is a distance with length"},
+    {"continuous", "a continuous joint is a hinge without limits"},
+    {"wheel", "a wheel turns on a hinge, and its suspension is a slider with a spring, on a body of its own"},
+    {"cylindrical", "a cylindrical joint is a slider and a hinge, with a body between them"},
+    {"screw", "there is no screw joint; a hinge turns, and a slider moves"},
+    {"planar", "a planar joint is two sliders and a hinge, with bodies between them"},
+    {"floating", "a floating body has no joint"},
+    {"free", "a free body has no joint"},
+    {"spring", "a spring between two points is a [[spring]], or a distance with most and spring"},
 };
 
 JointKind read_kind(const Value& value) {
@@ -80,13 +93,14 @@ double distance_of(const Triple& a, const Triple& b) { return std::hypot(a[0] - 
 // Keys of other programs that this one has not yet, and why.
 void refuse_what_is_not_there(Table& table) {
     constexpr const char* none = "there are no motors of joints yet";
-    constexpr std::pair<const char*, const char*> missing[] = {{"motor", none},
-                                                               {"servo", none},
-                                                               {"friction", "there is no friction of joints yet"},
-                                                               {"collide", "jointed bodies touch nothing yet"}};
+    constexpr std::pair<const char*, const char*> missing[] = {
+        {"motor", none}, {"servo", none}, {"friction", "there is no friction of joints yet"}};
     for (const auto& [key, reason] : missing)
         if (table.has(key))
             table.at(key).fail(reason, "none: what acts in a joint is limits, spring, break_force and break_torque");
+    bool collides = false;
+    if (table.optional("collide", collides) && collides)
+        table.at("collide").fail("jointed bodies touch nothing yet", "false, or no collide");
 }
 
 // A distance needs a range.
@@ -327,6 +341,18 @@ void refuse_what_the_kind_has_not(Table& table, JointKind kind, const std::set<s
     detail::each_field_of_joint([&](Field field, const auto&) { refuse(field.name, "none"); }, any);
 }
 
+// The world is no body, and has no name unless a body has it.
+int resolve_side(Table& table, const std::string& key, const std::string& name, const SceneDescription& scene) {
+    const bool is_there =
+        std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const auto& body) { return body.name == name; });
+    if (!is_there && edit_distance(name, "world") == 0)
+        table.at(key).fail("got " + in_quotes(name) + ", which is no body",
+                           key == "to_body"
+                               ? "the name of a body, or none for the world"
+                               : "the name of a body that moves: a joint without to_body ties it to the world");
+    return resolve(table, key, name, scene);
+}
+
 // The fields of a joint but its bodies; the kind `has` some. From here on keys that the kind has not are not there, or
 // the kind is not.
 void read_fields(Table& table, JointDescription& joint, const std::set<std::string>& has) {
@@ -376,8 +402,8 @@ JointDescription read_joint(Table table, const SceneDescription& scene, RangeDes
     if (is_distance) check_distance(table, joint);
     if (joint.is_rod() && joint.spring.acts())
         table.at("spring").fail("given for a rod, which keeps its length", "least and most, or no spring");
-    joint.body = resolve(table, "body", body, scene);
-    if (has_to_body) joint.to_body = resolve(table, "to_body", to_body, scene);
+    joint.body = resolve_side(table, "body", body, scene);
+    if (has_to_body) joint.to_body = resolve_side(table, "to_body", to_body, scene);
     if (joint.to_body == joint.body)
         table.at("to_body").fail("got " + in_quotes(to_body) + ", the joint's own body",
                                  "another body, or none for the world");

@@ -1,5 +1,6 @@
 #include "scene/reader.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -185,8 +186,10 @@ SceneDescription read_root(Table root, const std::string& file, BodyCount count)
 }  // namespace
 
 void check_not_zero(const Value& value, const double* numbers, std::size_t count, const std::string& wanted) {
-    if (!std::isnormal(std::inner_product(numbers, numbers + count, numbers, 0.0)))
-        value.fail("its length is 0", wanted);
+    if (std::isnormal(std::inner_product(numbers, numbers + count, numbers, 0.0))) return;
+    const double largest = std::abs(
+        *std::max_element(numbers, numbers + count, [](double a, double b) { return std::abs(a) < std::abs(b); }));
+    value.fail(largest > 0 ? "its length is below 1e-150, too short to have a direction" : "its length is 0", wanted);
 }
 
 void check_range(const Value& value, double number, double most, const std::string& unit, const std::string& what,
