@@ -1,10 +1,9 @@
 // Energy that nothing but the method or the law of impacts can have added to a run.
 #pragma once
 
-#include <vector>
-
 #include "scene/description.hpp"
 #include "simulation/simulation.hpp"
+#include "verdict/energy_rounding.hpp"
 
 namespace tumble::host {
 
@@ -23,10 +22,8 @@ public:
 
 private:
     bool is_on_, is_known_;
-    [[nodiscard]] long double rounding(const Simulation& simulation) const;
 
-    SceneDescription scene_;
-    std::vector<long double> mass_;  // kg; 0: fixed
+    EnergyRounding energy_rounding_;
     double most_gain_;
     long double level_, before_;    // J: what the energy may be; at the last call
     long double largest_kinetic_;   // J
