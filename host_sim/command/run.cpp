@@ -13,6 +13,7 @@
 #include "command/live.hpp"
 #include "command/plot.hpp"
 #include "command/run_watch.hpp"
+#include "simulation/start_impact.hpp"
 #include "tools/gnuplot.hpp"
 #include "tools/output.hpp"
 #include "tools/progress.hpp"
@@ -202,8 +203,8 @@ void print_json(const SceneDescription& scene, const Simulation& simulation, con
               << ",\n  \"steps\": " << simulation.steps_taken() << ",\n  \"time_s\": " << json_number(simulation.time())
               << ",\n  \"state_hash\": " << json_text(hex(simulation.hash()))
               << ",\n  \"energy_start_j\": " << json_number(energy.start())
-              << ",\n  \"energy_end_j\": " << json_number(energy.end())
-              << ",\n  \"energy_max_relative_drift\": " << json_number(energy.largest_relative_drift())
+              << ",\n  \"energy_end_j\": " << json_number(energy.end()) << ",\n  \"energy_max_relative_drift\": "
+              << (energy.largest_relative_drift() ? json_number(*energy.largest_relative_drift()) : "null")
               << (bounded.any() ? ",\n  \"bounded_steps\": " + json_of(bounded, scene, simulation.step_length()) : "")
               << ",\n  \"status\": [" << status << "],\n  \"verdict\": " << json_of(verdict, scene, simulation)
               << ",\n  \"bodies\": [";
@@ -306,7 +307,13 @@ void print_table(std::ostream& out, const SceneDescription& scene, const Simulat
     }
     out << "energy " << few_digits(energy.start()) << " J at the start, " << few_digits(energy.end())
         << " J at the end";
-    if (keeps_energy(scene)) out << ", largest relative drift " << few_digits(energy.largest_relative_drift());
+    if (const StartImpact impact = impact_at_start(scene); impact.joint >= 0)
+        out << ", " << few_digits(impact.energy) << " J ended by joints in the first step";
+    if (keeps_energy(scene)) {
+        if (const auto drift = energy.largest_relative_drift())
+            out << ", largest relative drift " << few_digits(*drift);
+        else out << ", largest drift " << few_digits(energy.largest_drift()) << " J, within rounding";
+    }
     if (bounded.any()) out << "\n" << line_of(bounded, scene, simulation.step_length());
     out << "\nstate  " << hex(simulation.hash()) << "\n";
 }

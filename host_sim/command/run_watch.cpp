@@ -2,6 +2,9 @@
 
 #include <utility>
 
+#include "simulation/start_impact.hpp"
+#include "verdict/energy_rounding.hpp"
+
 namespace tumble::host {
 namespace {
 
@@ -19,7 +22,9 @@ int fastest_body(const Simulation& simulation) {
 }  // namespace
 
 RunWatch::RunWatch(const SceneDescription& scene, const Simulation& simulation, std::vector<std::int64_t> moments)
-    : simulation_(simulation), energy_(simulation.energy()), recorder_(scene, simulation, std::move(moments)) {}
+    : simulation_(simulation),
+      energy_(simulation.energy(), impact_at_start(scene).energy, EnergyRounding(scene).of(simulation)),
+      recorder_(scene, simulation, std::move(moments)) {}
 
 void BoundedSteps::see(const Simulation& simulation) {
     bodies.resize(static_cast<std::size_t>(simulation.body_count()));
@@ -52,7 +57,7 @@ std::vector<Trouble> RunWatch::troubles() const {
     std::vector<Trouble> troubles = simulation_.troubles();
     if (recorder_.range_trouble()) add_once(troubles, *recorder_.range_trouble());
     const bool is_held = std::isfinite(static_cast<double>(energy_.end())) &&
-                         std::isfinite(static_cast<double>(energy_.largest_relative_drift()));
+                         std::isfinite(static_cast<double>(energy_.largest_relative_drift().value_or(0)));
     if (!is_held && simulation_.steps_taken() > 0)
         add_once(troubles, {"range_left", fastest_body(simulation_), simulation_.steps_taken() - 1});
     return troubles;

@@ -3,33 +3,42 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "verdict/record.hpp"
 
 namespace tumble::host {
 
-// Energies of a run. The drift is relative to the energy at the start; where that is 0, to the largest kinetic energy.
-// What changes of gravity give to the potential is no drift.
+// Energies of a run. The drift counts from the energy after the impact of the start, and is relative to it; where that
+// is within rounding, to the largest kinetic energy. What changes of gravity give to the potential is no drift.
 class EnergyWatch {
 public:
-    explicit EnergyWatch(const Energy& start) : start_(start), end_(start), largest_kinetic_(start.kinetic) {}
+    // `ended`: J, what joints end of the velocities at the start. `rounding`: J, what rounding may change.
+    EnergyWatch(const Energy& start, long double ended, long double rounding)
+        : start_(start), end_(start), level_(start.total() - ended), rounding_(rounding),
+          largest_kinetic_(start.kinetic - ended) {}
     void see(const Energy& now) {
         end_ = now;
-        const long double change = std::abs(now.total() - now.given - start_.total());
+        const long double change = std::abs(now.total() - now.given - level_);
         largest_change_ = largest_change_ < change || std::isnan(change) ? change : largest_change_;
         largest_kinetic_ = std::max(largest_kinetic_, now.kinetic);
     }
     [[nodiscard]] const Energy& end_parts() const { return end_; }
     [[nodiscard]] long double start() const { return start_.total(); }
     [[nodiscard]] long double end() const { return end_.total(); }
-    [[nodiscard]] long double largest_relative_drift() const {
-        const long double scale = start() != 0 ? std::abs(start()) : largest_kinetic_;
+    [[nodiscard]] long double largest_drift() const { return largest_change_; }  // J
+    // None where rounding alone changes the energy, and all of it is within rounding: a mechanism at rest at height 0.
+    [[nodiscard]] std::optional<long double> largest_relative_drift() const {
+        const long double scale = std::abs(level_) > rounding_ ? std::abs(level_) : largest_kinetic_;
+        if (scale <= rounding_ && largest_change_ <= 2 * rounding_ && rounding_ > 0) return {};
         return scale > 0 ? largest_change_ / scale : largest_change_;
     }
 
 private:
     Energy start_, end_;
+    long double level_;     // J, after the impact of the start
+    long double rounding_;  // J
     long double largest_change_ = 0, largest_kinetic_;
 };
 

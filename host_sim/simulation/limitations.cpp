@@ -7,6 +7,7 @@
 #include "scene/data.hpp"
 #include "simulation/long_double.hpp"
 #include "simulation/simulation.hpp"
+#include "simulation/start_impact.hpp"
 #include "tools/text.hpp"
 #include "truth/smooth_motion.hpp"
 
@@ -143,6 +144,31 @@ void add_light_link(const SceneDescription& scene, std::vector<std::string>& lis
                    step_text(scaled(scene.step, -halvings)) + "\" or heavier links");
 }
 
+// Start velocities that a joint does not allow.
+void add_start_impact(const SceneDescription& scene, std::vector<std::string>& list) {
+    const StartImpact impact = impact_at_start(scene);
+    if (impact.joint < 0) return;
+    const auto both = [](bool first, const std::string& one, bool second, const std::string& other) {
+        return (first ? one : "") + (first && second ? " and " : "") + (second ? other : "");
+    };
+    const auto triple = [](const Triple& v) {
+        return "[" + few_digits(v[0]) + ", " + few_digits(v[1]) + ", " + few_digits(v[2]) + "]";
+    };
+    const bool moves = impact.speed > 0, turns = impact.spin > 0;
+    const BodyDescription& body = scene.body(impact.body);
+    std::string others;
+    if (impact.others == 1) others = ", and there is one more such joint";
+    if (impact.others > 1) others = ", and there are " + std::to_string(impact.others) + " more such joints";
+    list.push_back("joint " + in_quotes(scene.joints[static_cast<std::size_t>(impact.joint)].name) +
+                   ": at the start its sides differ by " +
+                   both(moves, few_digits(impact.speed) + " m/s", turns, few_digits(impact.spin) + " rad/s") +
+                   ", which it does not allow" + others + ". The first step ends this with " +
+                   few_digits(impact.energy) + " J of kinetic energy. Use " +
+                   both(turns, "angular_velocity = " + triple(impact.angular_velocity),
+                        impact.velocity != body.velocity, "velocity = " + triple(impact.velocity)) +
+                   " for body " + in_quotes(body.name));
+}
+
 // The bodies that overlap others or planes at the start, deeper than contacts allow.
 void add_overlaps(const SceneDescription& scene, std::vector<std::string>& list) {
     for (const auto& overlap : SmoothMotion(scene, shapes_meet).overlaps()) {
@@ -188,7 +214,10 @@ std::vector<std::string> limitations(const SceneDescription& scene) {
     for (const BodyDescription& body : scene.bodies)
         if (body.fixed && !body.kinematic && body.velocity != Triple{})
             list.push_back("body \"" + body.name + "\" is fixed, so its velocity has no effect");
-    if (!scene.joints.empty()) add_light_link(scene, list);
+    if (!scene.joints.empty()) {
+        add_light_link(scene, list);
+        add_start_impact(scene, list);
+    }
     if (scene.contact.response == ContactResponse::none) return list;
     if (scene.contact.response == ContactResponse::impulse) add_overlaps(scene, list);
     if (scene.contact.response == ContactResponse::spring) {

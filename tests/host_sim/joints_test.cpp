@@ -187,6 +187,98 @@ TEST(Joints, the_step_that_a_warning_names_is_one_that_follows) {
             has(text_of({"run", shipped("joints/" + std::string(shipped_scene)), "--duration", "0.1"}), "warning"));
 }
 
+// A rod of 1 m and 1 kg on a joint at its end, or a link on such a rod.
+struct ForgottenVelocity {
+    std::string name, scene, joint, difference, body, cure;
+    double energy;  // J
+};
+const std::string rod_at_start =
+    world_of("-9.81", "1/256", "0.25") + smallest_range + body_of("rod", "box = [1, 0.1, 0.1]", "[0.5, 0, 0]");
+const std::string hinge_at_start = joint_of("hinge", "rod", "", "[0, 0, 0]", "axis = [0, 0, 1]\n");
+// I w^2 / 2 with I = 1.01/12 about the centre, and with m (w l/2)^2 / 2 beside the spin about the anchor that is left.
+double energy_that_a_hinge_ends(double w) {
+    const double about_centre = 1.01 / 12, about_end = about_centre + 0.25;
+    return about_centre * w * w / 2 * (1 - about_centre / about_end);
+}
+
+TEST(Joints, start_velocities_that_a_joint_does_not_allow_are_told_and_are_no_drift) {
+    const std::string bob = body_of("bob", "sphere = 0.1", "[0, -2, 0]", "2.0");
+    const ForgottenVelocity all[] = {
+        {"spin", rod_at_start + "angular_velocity = [0, 0, 5]\n" + hinge_at_start, "rod to world", "2.5 m/s", "rod",
+         "velocity = [0, 2.5, 0]", energy_that_a_hinge_ends(5)},
+        {"other_spin", rod_at_start + "angular_velocity = [0, 0, -3]\n" + hinge_at_start, "rod to world", "1.5 m/s",
+         "rod", "velocity = [0, -1.5, 0]", energy_that_a_hinge_ends(3)},
+        {"wrong_axis", rod_at_start + "angular_velocity = [2, 0, 0]\n" + hinge_at_start, "rod to world", "2 rad/s",
+         "rod", "angular_velocity = [0, 0, 0]", 0.02 / 12 * 4 / 2},
+        {"fixed", rod_at_start + "velocity = [5, 0, 0]\n" + joint_of("fixed", "rod", "", "[0, 0, 0]"), "rod to world",
+         "5 m/s", "rod", "velocity = [0, 0, 0]", 12.5},
+        {"slider",
+         rod_at_start + "velocity = [3, 4, 0]\n" + joint_of("slider", "rod", "", "[0.5, 0, 0]", "axis = [1, 0, 0]\n"),
+         "rod to world", "4 m/s", "rod", "velocity = [3, 0, 0]", 8},
+        {"held_by_a_fixed_body",
+         rod_at_start + "velocity = [0, 0, 1]\n" + body_of("wall", "sphere = 0.1", "[-1, 0, 0]") + "fixed = true\n" +
+             joint_of("fixed", "wall", "rod", "[0, 0, 0]"),
+         "wall to rod", "1 m/s", "rod", "velocity = [0, 0, 0]", 0.5},
+        {"rod",
+         world_of("-9.81", "1/256", "0.25") + smallest_range + bob + "velocity = [1, 2, 0]\n" +
+             distance_of("bob", "[0, -2, 0]", "[0, 0, 0]", "length = 2"),
+         "bob to world", "2 m/s", "bob", "velocity = [1, 0, 0]", 4},
+    };
+    for (const auto& [name, scene, joint, difference, body, cure, energy] : all) {
+        SCOPED_TRACE(name);
+        const std::string path = written(name + ".toml", scene), text = text_of({"run", path, "--check", "off"});
+        expect_parts(text, {"warning: " + path + ": joint \"" + joint + "\": at the start its sides differ by " +
+                                difference + ", which it does not allow. The first step ends this with ",
+                            " J of kinetic energy. Use " + cure, " for body \"" + body + "\"",
+                            " J ended by joints in the first step"});
+        const std::string mark = "The first step ends this with ";
+        EXPECT_NEAR(std::stod(text.substr(text.find(mark) + mark.size())), energy, 1e-5 * energy);
+        const Json drift = json_of({"run", path, "--check", "off"}).at("energy_max_relative_drift");
+        if (!drift.is_null()) EXPECT_LT(drift.get<double>(), 5e-3);
+        // With what the warning names there is none.
+        std::string cured = scene;
+        const std::string key = cure.substr(0, cure.find(' '));
+        const std::size_t line = cured.find("\n" + key + " = ") + 1;
+        if (key == "velocity" && cured.find("\nvelocity = [") == std::string::npos)
+            cured.insert(cured.find("angular_velocity = [0"), cure + "\n");
+        else cured.replace(line, cured.find('\n', line) - line, cure);
+        EXPECT_FALSE(has(text_of({"run", written(name + "_cured.toml", cured), "--check", "off"}), "warning"));
+    }
+}
+
+// Two links and a forgotten velocity of each: the worst joint is named.
+TEST(Joints, a_chain_of_forgotten_velocities_names_its_worst_joint_and_how_many_there_are) {
+    const std::string scene = rod_at_start + "angular_velocity = [0, 0, 1]\n" +
+                              body_of("link", "box = [1, 0.1, 0.1]", "[1.5, 0, 0]") + "angular_velocity = [0, 0, 2]\n" +
+                              hinge_at_start + joint_of("ball", "link", "rod", "[1, 0, 0]");
+    expect_outcome(
+        tumble({"run", written("chain.toml", scene), "--check", "off"}), 0,
+        "joint \"link to rod\": at the start its sides differ by 1.5 m/s, which it does not allow, and there "
+        "is one more such joint. The first step ends this with");
+}
+
+// The potential energy is 0 at the origin, and rounding is all that changes there.
+TEST(Joints, a_mechanism_at_rest_is_right_at_any_height_and_has_no_drift_of_rounding) {
+    for (const char* origin : {"0", "5", "-3"})
+        for (const char* kind : {"rope", "rod", "fixed"}) {
+            SCOPED_TRACE(std::string(kind) + " at " + origin);
+            const std::string y = origin, above = std::to_string(std::stoi(y) + 1), place = "[0.5, " + y + ", 0]",
+                              tie = kind == std::string("fixed")
+                                        ? joint_of("fixed", "a", "", "[0, " + y + ", 0]")
+                                        : distance_of("a", place, "[0.5, " + above + ", 0]",
+                                                      kind == std::string("rope") ? "most = 1" : "length = 1");
+            const std::string scene = written("rest.toml", world_of("-9.81", "1/256", "0.5") + smallest_range +
+                                                               body_of("a", "box = [1, 0.1, 0.1]", place, "3.0") + tie);
+            const Json run = json_of({"run", scene});
+            EXPECT_EQ(run.at("verdict").at("kind"), "right");
+            const Json& drift = run.at("energy_max_relative_drift");
+            if (y == "0") EXPECT_TRUE(drift.is_null()) << drift;
+            else EXPECT_LT(drift.get<double>(), 1e-8);
+            if (y == "0" && kind != std::string("rope"))
+                expect_outcome(tumble({"run", scene, "--check", "off"}), 0, " J, within rounding\n");
+        }
+}
+
 // Of rope.toml, with the time of a change known to a step: at 1.2 s it is slack for 0.518357 s, and the weight on a
 // parabola.
 TEST(Joints, a_rope_goes_slack_and_taut_where_its_weight_leaves_the_circle_and_meets_it_again) {
