@@ -45,9 +45,9 @@ std::string cure_of(const HeldNumber& number, int body, const SceneDescription& 
     return scene.range.is_declared ? "--numbers f64 and no [range]" : "--numbers f64";
 }
 
-// What has happened, and what helps by rule.
+// What has happened, what helps by rule, and what helps too, beside a way that is known to be right.
 struct Account {
-    std::string what, cure;
+    std::string what, cure, beside{};
 };
 
 Account range_left(const Trouble& trouble, const SceneDescription& scene, const Simulation& simulation) {
@@ -100,6 +100,17 @@ Account step_too_long(const SceneDescription& scene, const Simulation& simulatio
     return {strong_loads(scene) + " is too strong" + step, "a smaller step"};
 }
 
+Account joints_not_closed(const Trouble& trouble, const Simulation& simulation) {
+    Account account{"joints did not close in a 32nd of the step, so their bodies were moved until they were, and lost "
+                    "energy",
+                    "a smaller step, or heavier links"};
+    if (!trouble.number) return account;
+    account.what += ". A body was faster than " + few_digits(trouble.number->most) + " m/s, a quarter of what " +
+                    numbers_of(simulation) + " holds: a joint may not end so much at once";
+    account.beside = "a larger [range] velocity";
+    return account;
+}
+
 Account account_of(const Trouble& trouble, const SceneDescription& scene, const Simulation& simulation) {
     if (trouble.issue == "range_left") return range_left(trouble, scene, simulation);
     if (trouble.issue == "step_too_long") return step_too_long(scene, simulation);
@@ -119,10 +130,8 @@ Account account_of(const Trouble& trouble, const SceneDescription& scene, const 
         return {"a joint is open, because a pose does not fit it or the step is too long by far. The motion is wrong "
                 "from here on",
                 "poses that fit all joints of their bodies, or a smaller step"};
-    if (trouble.issue == "step_bound_hit" && !scene.joints.empty())
-        return {"joints did not close in a 32nd of the step, so their bodies were moved until they were, and lost "
-                "energy",
-                "a smaller step, or heavier links"};
+    const bool of_joints = trouble.body < 0 ? !scene.joints.empty() : scene.is_jointed(trouble.body);
+    if (trouble.issue == "step_bound_hit" && of_joints) return joints_not_closed(trouble, simulation);
     if (trouble.issue != "step_bound_hit") return {"there is no room for another body", ""};
     if (const std::string_view method = simulation.integrator();
         method.starts_with("implicit") || method.starts_with("pdmv"))
@@ -146,6 +155,7 @@ std::string message_of(const Trouble& trouble, const Trouble& first, const Scene
     if (is_first && !cure.empty()) account.cure = cure;
     // What was unstable leaves the range: the cure of the first is that of both.
     if (!is_first && (!cure.empty() || first.issue == "step_too_long")) account.cure.clear();
+    else if (!account.beside.empty()) account.cure += ", or " + account.beside;
     const std::string body =
         trouble.body < 0 ? "" : "body \"" + scene.bodies.at(static_cast<std::size_t>(trouble.body)).name + "\" at ";
     return scene.path + ": " + body + few_digits(time) + " s (step " + std::to_string(trouble.step) +

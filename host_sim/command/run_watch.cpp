@@ -8,14 +8,15 @@
 namespace tumble::host {
 namespace {
 
+long double speed_of(const Simulation& simulation, int body) {
+    const auto& v = simulation.body(body).velocity;
+    return std::hypot(v[0], v[1], v[2]);
+}
+
 int fastest_body(const Simulation& simulation) {
-    const auto speed = [&](int body) {
-        const auto& v = simulation.body(body).velocity;
-        return std::hypot(v[0], v[1], v[2]);
-    };
     int fastest = 0;
     for (int b = 1; b < simulation.body_count(); ++b)
-        if (speed(b) > speed(fastest)) fastest = b;
+        if (speed_of(simulation, b) > speed_of(simulation, fastest)) fastest = b;
     return fastest;
 }
 
@@ -24,7 +25,24 @@ int fastest_body(const Simulation& simulation) {
 RunWatch::RunWatch(const SceneDescription& scene, const Simulation& simulation, std::vector<std::int64_t> moments)
     : simulation_(simulation),
       energy_(simulation.energy(), impact_at_start(scene).energy, EnergyRounding(scene).of(simulation)),
-      recorder_(scene, simulation, std::move(moments)) {}
+      recorder_(scene, simulation, std::move(moments)) {
+    if (simulation.range().empty()) return;
+    most_speed_ = held_by(simulation.range()).velocity / 4;
+    for (int b = 0; b < simulation.body_count(); ++b)
+        if (scene.is_jointed(b) && !scene.body(b).fixed) jointed_.push_back(b);
+    watch_speeds();
+}
+
+void RunWatch::watch_speeds() {
+    if (jointed_.empty()) return;
+    if (simulation_.has_trouble("step_bound_hit")) {
+        if (fastest_ > most_speed_) too_fast_ = {"velocity", most_speed_, "m/s"};
+        jointed_.clear();  // the first occurrence is told
+        return;
+    }
+    fastest_ = 0;
+    for (const int b : jointed_) fastest_ = std::max(fastest_, static_cast<double>(speed_of(simulation_, b)));
+}
 
 void BoundedSteps::see(const Simulation& simulation) {
     bodies.resize(static_cast<std::size_t>(simulation.body_count()));
@@ -45,6 +63,7 @@ void BoundedSteps::see(const Simulation& simulation) {
 void RunWatch::see() {
     energy_.see(simulation_.energy());
     bounded_.see(simulation_);
+    watch_speeds();
     (void)recorder_.see(simulation_);
 }
 
@@ -55,6 +74,8 @@ bool RunWatch::is_over() const {
 
 std::vector<Trouble> RunWatch::troubles() const {
     std::vector<Trouble> troubles = simulation_.troubles();
+    for (Trouble& trouble : troubles)
+        if (trouble.issue == "step_bound_hit") trouble.number = too_fast_;
     if (recorder_.range_trouble()) add_once(troubles, *recorder_.range_trouble());
     const bool is_held = std::isfinite(static_cast<double>(energy_.end())) &&
                          std::isfinite(static_cast<double>(energy_.largest_relative_drift().value_or(0)));

@@ -74,10 +74,16 @@ public:
     [[nodiscard]] Record record() &&;
 
 private:
+    // In fixed point a blow is held within a quarter of the range of velocities.
+    void watch_speeds();
+
     const Simulation& simulation_;
     EnergyWatch energy_;
     BoundedSteps bounded_;
     Recorder recorder_;
+    std::vector<int> jointed_;             // bodies that joints tie and that move; empty in floating point
+    std::optional<HeldNumber> too_fast_;   // what one of them exceeded before the step that did not close
+    double most_speed_ = 0, fastest_ = 0;  // m/s: that quarter; of a jointed body after the last step
 };
 
 }  // namespace tumble::host

@@ -86,7 +86,8 @@ struct Trouble {
     std::string issue;                   // the name of a sticky status bit
     int body = 0;                        // below 0: none, as of gravity
     std::int64_t step = 0;               // the step that met it, from 0
-    std::optional<HeldNumber> number{};  // of range_left: the number that left; none: one is not finite
+    std::optional<HeldNumber> number{};  // of range_left: the number that left; none: one is not finite. Of
+                                         // step_bound_hit: what a jointed body exceeded before the step; none: nothing
 };
 
 // A state of one simulation to go back to.
