@@ -234,7 +234,7 @@ TEST(Joints, start_velocities_that_a_joint_does_not_allow_are_told_and_are_no_dr
         const std::string mark = "The first step ends this with ";
         EXPECT_NEAR(std::stod(text.substr(text.find(mark) + mark.size())), energy, 1e-5 * energy);
         const Json drift = json_of({"run", path, "--check", "off"}).at("energy_max_relative_drift");
-        if (!drift.is_null()) EXPECT_LT(drift.get<double>(), 5e-3);
+        if (!drift.is_null()) { EXPECT_LT(drift.get<double>(), 5e-3); }
         // With what the warning names there is none.
         std::string cured = scene;
         const std::string key = cure.substr(0, cure.find(' '));
@@ -272,8 +272,11 @@ TEST(Joints, a_mechanism_at_rest_is_right_at_any_height_and_has_no_drift_of_roun
             const Json run = json_of({"run", scene});
             EXPECT_EQ(run.at("verdict").at("kind"), "right");
             const Json& drift = run.at("energy_max_relative_drift");
-            if (y == "0") EXPECT_TRUE(drift.is_null()) << drift;
-            else EXPECT_LT(drift.get<double>(), 1e-8);
+            if (y == "0") {
+                EXPECT_TRUE(drift.is_null()) << drift;
+            } else {
+                EXPECT_LT(drift.get<double>(), 1e-8);
+            }
             if (y == "0" && kind != std::string("rope"))
                 expect_outcome(tumble({"run", scene, "--check", "off"}), 0, " J, within rounding\n");
         }
