@@ -238,7 +238,7 @@ TEST(Joints, start_velocities_that_a_joint_does_not_allow_are_told_and_are_no_dr
         // With what the warning names there is none.
         std::string cured = scene;
         const std::string key = cure.substr(0, cure.find(' '));
-        const std::size_t line = cured.find("\n" + key + " = ") + 1;
+        const std::size_t line = cured.find("\n" + key + " = [") + 1;
         if (key == "velocity" && cured.find("\nvelocity = [") == std::string::npos)
             cured.insert(cured.find("angular_velocity = [0"), cure + "\n");
         else cured.replace(line, cured.find('\n', line) - line, cure);

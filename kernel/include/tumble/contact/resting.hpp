@@ -163,8 +163,8 @@ public:
 private:
     [[nodiscard]] bool is_spent() const { return velocities_.sweeps_are_spent(); }
     // Of a point at the surface after an impact: whether loads leave it above the surface at the end of the step. It
-    // then comes down as fast as it left at most, so that others press it no deeper. Held where it is, a body would
-    // hover.
+    // then comes down as fast as it left at most, so that others drive it no deeper. Stopped above the surface, a body
+    // would hover.
     [[nodiscard]] bool bounces_off(const Pair& pair, const Point& point, Speed approach) const {
         return approach < Speed{} && rows_.velocity(velocities_.loaded, pair, point) > approach;
     }
