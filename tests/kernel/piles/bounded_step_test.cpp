@@ -224,7 +224,7 @@ struct LargePit : Scene {
         return all;
     }();
 };
-// With few sweeps it creeps for ever.
+// Where sweeps are few, a heap creeps on.
 TYPED_TEST(BoundedSteps, bring_a_heap_of_fifty_boxes_to_rest) {
     for (const int rate : {60, 128}) {
         for (std::uint64_t seed = 0; seed < 4; ++seed) {
