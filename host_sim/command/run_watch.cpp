@@ -37,7 +37,7 @@ void RunWatch::watch_speeds() {
     if (jointed_.empty()) return;
     if (simulation_.has_trouble("step_bound_hit")) {
         if (fastest_ > most_speed_) too_fast_ = {"velocity", most_speed_, "m/s"};
-        jointed_.clear();  // the first occurrence is told
+        jointed_.clear();  // only the first occurrence is reported
         return;
     }
     fastest_ = 0;

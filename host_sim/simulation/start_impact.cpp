@@ -100,7 +100,7 @@ private:
     [[nodiscard]] Vector arm(const JointDescription& joint, int b) const {
         return b < 0 ? Vector{} : vector_of(joint.anchor_on(b)) - side(b).x;
     }
-    // Of a side at the anchor, or of its spin: the sum of what may cancel.
+    // Of a side: a bound on the speed of its anchor, or its spin. A difference is judged against this.
     [[nodiscard]] Number speed_of(const JointDescription& joint, int b, bool turns) const {
         const Side of = side(b);
         return turns ? norm(of.w) : norm(of.v) + norm(of.w) * norm(arm(joint, b));

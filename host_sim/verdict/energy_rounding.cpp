@@ -59,7 +59,8 @@ long double EnergyRounding::of(const Simulation& simulation) const {
     return sum + of_joints(simulation, weight);
 }
 
-// A gap lowers all that hangs on the joint, and a lean lowers it by the arm of what hangs.
+// Bodies that hang on a joint are lower by its gap. Where the joint leans by an angle, they are lower by that angle
+// times their arm.
 long double EnergyRounding::of_joints(const Simulation& simulation, long double weight) const {
     // Of a gap in m at a size of 1 m, and of a lean in rad: the bound of each component in the kernel, times sqrt(3).
     const long double open = simulation.numbers() == "f32" ? 6e-7L : simulation.numbers() == "f64" ? 2e-12L : 5e-9L;

@@ -6,8 +6,8 @@
 namespace tumble {
 
 // Sweeps in bounded number leave some of each load, and so bodies of a pile tremble about the place where they rest, or
-// creep. Errors of sweeps over a pile fall as one over their number, so a body that is slower than such a part of what
-// gravity changes in a step is at rest: within half a second, or within a quarter of the tolerance where this is more.
+// creep. What n sweeps leave is about 1/n of a load. So a body is at rest that in half a second moves no farther than
+// it would at 1/n of the speed that gravity adds in a step, or than a quarter of the tolerance where this is more.
 template <class N, Spin spin, Features features>
 class RestWatch {
 public:
