@@ -233,7 +233,7 @@ private:
 
     // The title, and what colors and marks mean.
     void legend(std::string& out) const {
-        Legend labels{out, width(), height(), character, 12, left};
+        tumble::bench::Legend labels{out, width(), height(), character, 12, left};
         labels.add(scene_, 22, "font ',18'");
         labels.x = left;
         for (const NumberStyle& style : number_styles) {

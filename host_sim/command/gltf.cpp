@@ -210,14 +210,15 @@ public:
     }
     // A part of the scene, or of a part of it, with which it moves. Returns its node.
     std::size_t place(const std::string& name, std::size_t mesh, const auto& position, const auto& orientation,
-                      std::optional<std::size_t> of = {}) {
+                      std::optional<std::size_t> of = {}, const std::vector<float>& scale = {}) {
         json_["nodes"].push_back(
             {{"name", name}, {"mesh", mesh}, {"translation", position}, {"rotation", orientation}});
         const std::size_t node = json_["nodes"].size() - 1;
+        if (!scale.empty()) json_["nodes"][node]["scale"] = scale;
         (of ? json_["nodes"][*of]["children"] : json_["scenes"][0]["nodes"]).push_back(node);
         return node;
     }
-    // The numbers at the times are those of a node's "translation" or "rotation".
+    // The numbers at the times are those of a node's "translation", "rotation" or "scale".
     void animate(std::size_t node, const char* path, std::size_t times, std::size_t numbers) {
         if (animation_.is_null()) animation_ = {{"channels", Json::array()}, {"samplers", Json::array()}};
         animation_["channels"].push_back(
@@ -277,23 +278,32 @@ double extent_along(const Mesh& mesh, const reference::Vector& direction) {
     return most;
 }
 
-// A joint, which moves with its body: a ball; a cube of a fixed joint; pins along the axes of others, the longer and
-// thinner one of a slider. All of them stand out of the body.
+// The least extent of a mesh along its axes, from its origin, m.
+double thickness_of(const Mesh& mesh) {
+    return std::min({extent_along(mesh, {1, 0, 0}), extent_along(mesh, {0, 1, 0}), extent_along(mesh, {0, 0, 1})});
+}
+Triple triple(const reference::Vector& v) {
+    return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+}
+// The place of a point of the world at the start, in the axes of a body.
+reference::Vector in_axes_of(const BodyDescription& body, const Triple& point) {
+    return reference::rotation_of(body.orientation)
+        .normalized()
+        .rotate_back(reference::vector_of(point) - reference::vector_of(body.position));
+}
+
+// A joint but for a distance, which moves with its body: a ball; a cube of a fixed joint; pins along the axes of
+// others, the longer and thinner one of a slider. All of them stand out of the body.
 void place_joint(Document& document, const JointDescription& joint, const BodyDescription& body, const Mesh& mesh,
                  std::size_t node) {
     const reference::Rotation to_world = reference::rotation_of(body.orientation).normalized();
-    const auto triple = [](const reference::Vector& v) {
-        return Triple{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-    };
-    const Triple at =
-        triple(to_world.rotate_back(reference::vector_of(joint.anchor) - reference::vector_of(body.position)));
-    const double thickness =
-        std::min({extent_along(mesh, {1, 0, 0}), extent_along(mesh, {0, 1, 0}), extent_along(mesh, {0, 0, 1})});
+    const Triple at = triple(in_axes_of(body, joint.anchor));
+    const double thickness = thickness_of(mesh);
     const auto add = [&](const Mesh& pin, const std::array<double, 4>& turn) {
         (void)document.place(joint.name, document.add(pin, of_joints, false), at, turn, node);
     };
     Mesh knob;
-    if (joint.kind == JointKind::ball || joint.kind == JointKind::distance) add_ball(knob, 1.25 * thickness);
+    if (joint.kind == JointKind::ball) add_ball(knob, 1.25 * thickness);
     if (joint.kind == JointKind::fixed) add_box(knob, {2.125 * thickness, 2.125 * thickness, 2.125 * thickness});
     if (!knob.positions.empty()) return add(knob, {0, 0, 0, 1});
     for (const Triple& axis : {joint.axis, joint.to_axis}) {
@@ -305,6 +315,62 @@ void place_joint(Document& document, const JointDescription& joint, const BodyDe
         add(pin, turn_from(2, triple(own)));
     }
 }
+
+// The line of a distance: a cylinder of 1 m along z that is moved, turned and stretched between the two points.
+class Line {
+public:
+    Line(const SceneDescription& scene, const JointDescription& joint) : joint_{joint} {
+        for (const int side : {joint.body, joint.to_body})
+            if (side >= 0)
+                own_[side == joint.to_body] =
+                    in_axes_of(scene.bodies[static_cast<std::size_t>(side)], joint.anchor_on(side));
+    }
+    // pose_of(b): that of a body.
+    void sample(const auto& pose_of) {
+        reference::Vector end[2];
+        for (const int side : {joint_.body, joint_.to_body}) {
+            const std::size_t k = side == joint_.to_body;
+            if (side < 0) {
+                end[k] = reference::vector_of(joint_.anchor_on(side));
+                continue;
+            }
+            const auto& [position, q] = pose_of(static_cast<std::size_t>(side));
+            end[k] = reference::Vector{position[0], position[1], position[2]} +
+                     reference::Rotation{q[3], {q[0], q[1], q[2]}}.rotate(own_[k]);
+        }
+        const reference::Vector way = end[1] - end[0];
+        const auto length = static_cast<double>(norm(way));
+        append(middle_, triple((end[0] + end[1]) * 0.5L));
+        append(turn_, turn_from(2, length > 0 ? triple(unit(way)) : Triple{0, 0, 1}));
+        append(stretch_, Triple{1, 1, length});
+    }
+    // times(): the accessor of the times of the samples.
+    void place(Document& document, double radius, const auto& times) const {
+        Mesh mesh;
+        add_cylinder(mesh, radius, 1);
+        const auto first = [](const std::vector<float>& numbers, std::size_t each) {
+            return std::vector<float>(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(each));
+        };
+        const std::size_t node = document.place(joint_.name, document.add(mesh, of_joints, false), first(middle_, 3),
+                                                first(turn_, 4), {}, first(stretch_, 3));
+        const auto animate = [&](const char* path, const std::vector<float>& numbers, std::size_t each) {
+            if (!std::equal(numbers.begin() + static_cast<std::ptrdiff_t>(each), numbers.end(), numbers.begin()))
+                document.animate(node, path, times(), document.add(numbers, each));
+        };
+        animate("translation", middle_, 3);
+        animate("rotation", turn_, 4);
+        animate("scale", stretch_, 3);
+    }
+
+private:
+    static void append(std::vector<float>& numbers, const auto& more) {
+        for (const double x : more) numbers.push_back(static_cast<float>(x));
+    }
+
+    const JointDescription& joint_;
+    reference::Vector own_[2];                    // the points in the axes of their bodies
+    std::vector<float> middle_, turn_, stretch_;  // of each sample
+};
 
 }  // namespace
 
@@ -341,7 +407,11 @@ std::string Gltf::text() const {
     for (const auto& poses : poses_)
         for (std::size_t i = 0; i < 3 && !poses.empty(); ++i)
             centre[i] += static_cast<double>(poses.front().position[i]) / static_cast<double>(poses_.size());
-    std::optional<std::size_t> times;
+    std::optional<std::size_t> accessor_of_times;
+    const auto times = [&] {
+        if (!accessor_of_times) accessor_of_times = document.add(times_, 1, 0, true);
+        return *accessor_of_times;
+    };
     for (std::size_t b = 0; b < poses_.size(); ++b) {
         const auto& poses = poses_[b];
         if (poses.empty()) continue;
@@ -362,11 +432,19 @@ std::string Gltf::text() const {
             for (std::size_t i = 0; i < 3; ++i)
                 reach = std::max(reach, std::abs(static_cast<double>(pose.position[i]) - centre[i]) + 2 * extent);
         }
-        if (!times && (moves || turns)) times = document.add(times_, 1, 0, true);
-        if (moves) document.animate(node, "translation", *times, document.add(positions, 3));
-        if (turns) document.animate(node, "rotation", *times, document.add(orientations, 4));
-        for (const JointDescription& joint : scene_.joints)
-            if (joint.body == static_cast<int>(b)) place_joint(document, joint, body, mesh, node);
+        if (moves) document.animate(node, "translation", times(), document.add(positions, 3));
+        if (turns) document.animate(node, "rotation", times(), document.add(orientations, 4));
+        for (const JointDescription& joint : scene_.joints) {
+            if (joint.body != static_cast<int>(b)) continue;
+            if (joint.kind != JointKind::distance) {
+                place_joint(document, joint, body, mesh, node);
+                continue;
+            }
+            Line line(scene_, joint);
+            for (std::size_t i = 0; i < times_.size(); ++i)
+                line.sample([&](std::size_t side) -> const Pose& { return poses_[side][i]; });
+            line.place(document, thickness_of(mesh) / 8, times);
+        }
     }
     for (const PlaneDescription& plane : scene_.planes) {
         const double norm = std::hypot(plane.normal[0], plane.normal[1], plane.normal[2]);

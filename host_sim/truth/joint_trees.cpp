@@ -56,13 +56,41 @@ Matrix carried_back(const Matrix& inertia, const Vector& reach) {
 
 Six velocity_of(const Motion& m) { return six(m.v, m.q.rotate(m.w)); }
 
+std::vector<Vector> perpendicular_to(const Vector& axis) {
+    const auto size = [&](const Vector& v) { return std::abs(reference::dot(v, axis)); };
+    const Vector& least = *std::min_element(std::begin(axes), std::end(axes),
+                                            [&](const Vector& a, const Vector& b) { return size(a) < size(b); });
+    const Vector one = unit(cross(axis, least));
+    return {one, cross(axis, one)};
+}
+
 }  // namespace
 
 const JointDescription* without_equations(const std::vector<JointDescription>& joints) {
     const auto found = std::find_if(joints.begin(), joints.end(), [](const JointDescription& joint) {
-        return joint.kind == JointKind::distance || joint.has_ends() || joint.may_break();
+        return (joint.kind == JointKind::distance && !joint.is_rod()) || joint.has_ends() || joint.may_break();
     });
     return found == joints.end() ? nullptr : &*found;
+}
+
+FreeAxes free_axes(const JointDescription& joint) {
+    const std::vector<Vector> all(std::begin(axes), std::end(axes));
+    const auto axis = [&] { return unit(vector_of(joint.axis)); };
+    switch (joint.kind) {
+    case JointKind::hinge: return {{axis()}, {}};
+    case JointKind::slider: return {{}, {axis()}};
+    case JointKind::universal: {
+        // The axis of `to_body` is made perpendicular to that of `body`.
+        const Vector to_axis = vector_of(joint.to_axis);
+        return {{axis(), unit(to_axis - axis() * reference::dot(to_axis, axis()))}, {}};
+    }
+    case JointKind::fixed: return {};
+    case JointKind::ball: return {all, {}};
+    case JointKind::distance:
+        if (!joint.is_rod()) return {all, all};
+        return {all, perpendicular_to(unit(vector_of(joint.anchor) - vector_of(joint.to_point)))};
+    }
+    return {};
 }
 
 // Each joint hangs a body on one that hangs already. Where none can, a tree ties to nothing of the world: its root is
@@ -94,40 +122,27 @@ JointTrees::JointTrees(std::vector<Body> bodies, const std::vector<JointDescript
 // `joint`: none of a root that flies.
 void JointTrees::add(std::size_t body, int parent, const JointDescription* joint, const Motions& start) {
     const Motion own = start[body], other = motion_of(parent, start);
-    const Vector anchor = joint == nullptr ? own.x : vector_of(joint->anchor);
+    const auto anchor_on = [&](int side) { return joint == nullptr ? own.x : vector_of(joint->anchor_on(side)); };
+    const Vector anchor = anchor_on(static_cast<int>(body)), anchor_of_parent = anchor_on(parent);
     Node node;
     node.body = body;
     node.parent = parent;
-    node.arm_of_parent = other.q.rotate_back(anchor - other.x);
+    node.arm_of_parent = other.q.rotate_back(anchor_of_parent - other.x);
     node.arm = own.q.rotate_back(anchor - own.x);
     node.rest = other.q.conjugate() * own.q;
+    node.first_travel = other.q.rotate_back(anchor - anchor_of_parent);
+    node.is_rod = joint != nullptr && joint->is_rod();
     node.first_speed = speeds_;
-    const auto turn = [&](const Vector& axis, bool is_kept_by_own = false) {
-        node.free.push_back({true, other.q.rotate_back(axis), is_kept_by_own});
-    };
-    const auto slide = [&](const Vector& axis) { node.free.push_back({false, other.q.rotate_back(axis)}); };
-    // A root that flies moves as what a distance ties.
-    switch (joint == nullptr ? JointKind::distance : joint->kind) {
-    case JointKind::hinge: turn(unit(vector_of(joint->axis))); break;
-    case JointKind::slider: slide(unit(vector_of(joint->axis))); break;
-    case JointKind::universal: {
-        // The axis of `to_body` is made perpendicular to that of `body`.
-        const Vector axis = unit(vector_of(joint->axis)), to_axis = vector_of(joint->to_axis);
-        turn(axis, static_cast<int>(body) == joint->body);
-        turn(unit(to_axis - axis * reference::dot(to_axis, axis)), static_cast<int>(body) != joint->body);
-        break;
-    }
-    case JointKind::fixed: break;
-    case JointKind::distance:
-        for (const Vector& axis : axes) slide(axis);
-        [[fallthrough]];
-    case JointKind::ball:
-        for (const Vector& axis : axes) turn(axis);
-        break;
-    }
+    const std::vector<Vector> all(std::begin(axes), std::end(axes));
+    const FreeAxes free = joint == nullptr ? FreeAxes{all, all} : free_axes(*joint);
+    for (const Vector& axis : node.is_rod ? all : free.slides) node.free.push_back({false, other.q.rotate_back(axis)});
+    for (const Vector& axis : free.turns) node.free.push_back({true, other.q.rotate_back(axis)});
+    // Each body of a universal joint keeps one of its axes.
+    if (joint != nullptr && joint->kind == JointKind::universal)
+        node.free[static_cast<int>(body) == joint->body ? 0 : 1].is_kept_by_own = true;
     if (joint != nullptr) {
         node.is_reversed = static_cast<int>(body) != joint->body;
-        if (joint->spring.acts() || joint->to_spring.acts()) {
+        if (joint->kind != JointKind::distance && (joint->spring.acts() || joint->to_spring.acts())) {
             node.springs.assign(node.free.size(), joint->spring);
             if (joint->kind == JointKind::universal) node.springs[1] = joint->to_spring;
         }
@@ -152,14 +167,25 @@ std::span<const Number> JointTrees::speeds_of(std::span<const Number> state) con
 
 std::vector<Number> JointTrees::start() const {
     std::vector<Number> state(nodes_.size() * numbers_of_place + speeds_);
-    for (std::size_t i = 0; i < nodes_.size(); ++i) state[i * numbers_of_place] = 1;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        const auto& [x, y, z] = nodes_[i].first_travel;
+        const Number place[] = {1, 0, 0, 0, x, y, z};
+        std::copy(std::begin(place), std::end(place),
+                  state.begin() + static_cast<std::ptrdiff_t>(i * numbers_of_place));
+    }
     return state;
 }
 
 void JointTrees::normalize(std::span<Number> state) const {
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
-        const Rotation turned = place_of(i, state).turned;
-        const Number numbers[] = {turned.w, turned.v.x, turned.v.y, turned.v.z};
+        auto [turned, travel] = place_of(i, state);
+        if (nodes_[i].is_rod) {
+            travel = unit(travel) * norm(nodes_[i].first_travel);
+            const Vector sliding = sliding_of(nodes_[i], state);
+            add_slide(nodes_[i], -unit(travel) * reference::dot(unit(travel), sliding),
+                      state.subspan(nodes_.size() * numbers_of_place));
+        }
+        const Number numbers[] = {turned.w, turned.v.x, turned.v.y, turned.v.z, travel.x, travel.y, travel.z};
         std::copy(std::begin(numbers), std::end(numbers), state.subspan(i * numbers_of_place).begin());
     }
 }
@@ -192,6 +218,13 @@ Vector JointTrees::axis_of(const Direction& direction, const Place& at) {
     return direction.is_kept_by_own ? at.turned.rotate(direction.axis) : direction.axis;
 }
 
+std::vector<Six> JointTrees::ways_of(const Link& link) {
+    if (link.rod == Vector{}) return link.free;
+    std::vector<Six> ways(link.free.begin() + 3, link.free.end());
+    for (const Vector& axis : perpendicular_to(link.rod)) ways.push_back(six(axis, {}));
+    return ways;
+}
+
 JointTrees::Links JointTrees::links_of(std::span<const Number> state, const Motions& motions) const {
     Links links(nodes_.size());
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -199,6 +232,7 @@ JointTrees::Links JointTrees::links_of(std::span<const Number> state, const Moti
         const Motion &own = motions[node.body], parent = motion_of(node.parent, motions);
         const Place at = place_of(i, state);
         links[i].reach = own.x - parent.x;
+        if (node.is_rod) links[i].rod = parent.q.rotate(unit(at.travel));
         links[i].free.reserve(node.free.size());
         for (const Direction& direction : node.free) {
             const Vector axis = parent.q.rotate(axis_of(direction, at));
@@ -208,21 +242,37 @@ JointTrees::Links JointTrees::links_of(std::span<const Number> state, const Moti
     return links;
 }
 
-// The acceleration of a body at constant speeds, where its parent's is zero.
+// The acceleration of a body at constant speeds, where its parent's is zero. That of a rod keeps its length.
 Six JointTrees::bias_of(std::size_t i, std::span<const Number> state, const Link& link, const Motions& motions) const {
     const Node& node = nodes_[i];
     const Motion &own = motions[node.body], parent = motion_of(node.parent, motions);
     const Vector w = own.q.rotate(own.w), w_parent = parent.q.rotate(parent.w), arm = own.q.rotate(node.arm);
     const auto speeds = speeds_of(state);
-    Vector turning, sliding;  // change of the angular velocity as the axes turn, rad/s^2; speed of the travel, m/s
-    for (std::size_t k = 0; k < node.free.size(); ++k) {
-        const Number speed = speeds[node.first_speed + k];
-        const Direction& direction = node.free[k];
-        if (!direction.turns) sliding = sliding + linear(link.free[k]) * speed;
-        else turning = turning + cross(direction.is_kept_by_own ? w : w_parent, angular(link.free[k])) * speed;
-    }
-    const Vector of_anchor = cross(w_parent, cross(w_parent, link.reach + arm)) + cross(w_parent, sliding) * 2;
+    const Vector sliding = parent.q.rotate(sliding_of(node, state));
+    Vector turning;  // change of the angular velocity as the axes turn, rad/s^2
+    for (std::size_t k = 0; k < node.free.size(); ++k)
+        if (const Direction& direction = node.free[k]; direction.turns)
+            turning = turning + cross(direction.is_kept_by_own ? w : w_parent, angular(link.free[k])) *
+                                    speeds[node.first_speed + k];
+    Vector of_anchor = cross(w_parent, cross(w_parent, link.reach + arm)) + cross(w_parent, sliding) * 2;
+    if (node.is_rod) of_anchor = of_anchor - link.rod * inward(node, sliding);
     return six(of_anchor - cross(turning, arm) - cross(w, cross(w, arm)), turning);
+}
+
+Number JointTrees::inward(const Node& node, const Vector& sliding) {
+    return reference::dot(sliding, sliding) / norm(node.first_travel);
+}
+
+Vector JointTrees::sliding_of(const Node& node, std::span<const Number> state) const {
+    Vector sliding;
+    for (std::size_t k = 0; k < node.free.size(); ++k)
+        if (!node.free[k].turns) sliding = sliding + node.free[k].axis * speeds_of(state)[node.first_speed + k];
+    return sliding;
+}
+
+void JointTrees::add_slide(const Node& node, const Vector& slide, std::span<Number> speeds) {
+    for (std::size_t k = 0; k < node.free.size(); ++k)
+        if (!node.free[k].turns) speeds[node.first_speed + k] += reference::dot(node.free[k].axis, slide);
 }
 
 Matrix JointTrees::inertia_of(std::size_t body, const Motions& motions) const {
@@ -253,10 +303,11 @@ void JointTrees::solve(const Motions& motions, const Links& links, const std::ve
     for (std::size_t i = nodes_.size(); i-- > 0;) {
         Matrix& inertia = inertias[i];
         add_to(needed[i], times(inertia, bias[i]));
-        for (std::size_t k = 0; k < links[i].free.size(); ++k) {
-            const Six felt = times(inertia, links[i].free[k]);
-            const Eliminated now{felt, pushes[nodes_[i].first_speed + k] - dot(links[i].free[k], needed[i]),
-                                 dot(links[i].free[k], felt)};
+        const std::vector<Six> ways = ways_of(links[i]);
+        for (std::size_t k = 0; k < ways.size(); ++k) {
+            const Six felt = times(inertia, ways[k]);
+            const Number push = nodes_[i].is_rod ? 0 : pushes[nodes_[i].first_speed + k];
+            const Eliminated now{felt, push - dot(ways[k], needed[i]), dot(ways[k], felt)};
             for (std::size_t r = 0; r < 6; ++r) add_to(inertia[r], felt, -felt[r] / now.inertia);
             add_to(needed[i], felt, now.force / now.inertia);
             eliminated[nodes_[i].first_speed + k] = now;
@@ -272,11 +323,20 @@ void JointTrees::solve(const Motions& motions, const Links& links, const std::ve
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
         const int parent = node_at(nodes_[i].parent);
         rates[i] = carried(parent < 0 ? base[i] : rates[static_cast<std::size_t>(parent)], links[i].reach);
-        for (std::size_t k = links[i].free.size(); k-- > 0;) {
+        const std::vector<Six> ways = ways_of(links[i]);
+        std::vector<Number> by_way(ways.size());
+        for (std::size_t k = ways.size(); k-- > 0;) {
             const Eliminated& of = eliminated[nodes_[i].first_speed + k];
-            const Number rate = (of.force - dot(of.felt, rates[i])) / of.inertia;
-            add_to(rates[i], links[i].free[k], rate);
-            along[nodes_[i].first_speed + k] = rate;
+            by_way[k] = (of.force - dot(of.felt, rates[i])) / of.inertia;
+            add_to(rates[i], ways[k], by_way[k]);
+        }
+        const auto to = along.subspan(nodes_[i].first_speed);
+        if (nodes_[i].is_rod) {
+            const Vector slide = linear(ways[3]) * by_way[3] + linear(ways[4]) * by_way[4];
+            for (std::size_t k = 0; k < 3; ++k) to[k] = reference::dot(linear(links[i].free[k]), slide);
+            std::copy_n(by_way.begin(), 3, to.begin() + 3);
+        } else {
+            std::copy(by_way.begin(), by_way.end(), to.begin());
         }
         add_to(rates[i], bias[i]);
     }
@@ -291,6 +351,21 @@ void JointTrees::end_velocities_across(std::span<Number> state, const Motions& m
     }
     solve(motions, links_of(state, motions), momenta, std::vector<Six>(nodes_.size()), bases,
           std::vector<Number>(speeds_), state.subspan(nodes_.size() * numbers_of_place));
+}
+
+// What ends and what stays are perpendicular to each other, measured by the masses.
+Number JointTrees::energy_across(const Motions& motions) const {
+    std::vector<Number> state = start();
+    Motions after = motions;
+    end_velocities_across(state, motions);
+    (void)place(state, after);
+    Number sum = 0;
+    for (const Node& node : nodes_) {
+        Six ended = velocity_of(motions[node.body]);
+        add_to(ended, velocity_of(after[node.body]), -1);
+        sum += dot(ended, times(inertia_of(node.body, motions), ended)) / 2;
+    }
+    return sum;
 }
 
 std::array<Number, 3> JointTrees::coordinates_of(const Node& node, const Place& at) {
@@ -347,18 +422,20 @@ void JointTrees::rate(std::span<const Number> state, const Links& links, const M
 
         const auto numbers = state.subspan(i * numbers_of_place);
         const Place at = place_of(i, state);
-        Vector turning, sliding;  // in the parent's axes
-        for (std::size_t k = 0; k < node.free.size(); ++k) {
-            Vector& sum = node.free[k].turns ? turning : sliding;
-            sum = sum + axis_of(node.free[k], at) * speeds[node.first_speed + k];
-        }
+        const Vector sliding = sliding_of(node, state);
+        Vector turning;  // in the parent's axes
+        for (std::size_t k = 0; k < node.free.size(); ++k)
+            if (node.free[k].turns) turning = turning + axis_of(node.free[k], at) * speeds[node.first_speed + k];
         const Rotation rate =
             Rotation{0, turning} * Rotation{numbers[0], {numbers[1], numbers[2], numbers[3]}} * Number(0.5);
         const Number place[] = {rate.w, rate.v.x, rate.v.y, rate.v.z, sliding.x, sliding.y, sliding.z};
         std::copy(std::begin(place), std::end(place), rates.subspan(i * numbers_of_place).begin());
     }
-    solve(motions, links, forces, bias, std::vector<Six>(nodes_.size()), spring_forces(state),
-          rates.subspan(nodes_.size() * numbers_of_place));
+    const auto rates_of_speeds = rates.subspan(nodes_.size() * numbers_of_place);
+    solve(motions, links, forces, bias, std::vector<Six>(nodes_.size()), spring_forces(state), rates_of_speeds);
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+        if (const Node& node = nodes_[i]; node.is_rod)
+            add_slide(node, -unit(place_of(i, state).travel) * inward(node, sliding_of(node, state)), rates_of_speeds);
 }
 
 }  // namespace tumble::host

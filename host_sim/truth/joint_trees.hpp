@@ -1,7 +1,7 @@
 // The equations of motion of bodies that joints tie, in long double and in the coordinates that the joints leave free:
 // there is no constraint and no gap. A joint is the rotation and the travel of a body against its parent, with a speed
 // for each free direction. Rotations are quaternions, so no pose is singular. A tree that ties to nothing of the world
-// hangs on it by all six directions.
+// hangs on it by all six directions. A rod has all of them too, and the travel keeps its length.
 // The accelerations follow from the forces on the bodies by the articulated-body algorithm (Featherstone, Rigid Body
 // Dynamics Algorithms, 2008, chapter 7), one free direction after the other. Springs and dampers of joints are
 // generalized forces along the free directions. It shares no code with the kernel.
@@ -18,9 +18,16 @@
 
 namespace tumble::host {
 
-// The first joint of which the equations of motion are not known here: one that keeps a distance, has limits or may
-// break. JointTrees lets a distance go and takes no notice of the others. Null: there is none.
+// The first joint of which the equations of motion are not known here: one that keeps a distance in a range, has
+// limits or may break. JointTrees lets such a distance go and takes no notice of the others. Null: there is none.
 [[nodiscard]] const JointDescription* without_equations(const std::vector<JointDescription>& joints);
+
+// About and along which a joint lets its sides move where it is added: unit vectors of the world, of each kind
+// perpendicular to each other.
+struct FreeAxes {
+    std::vector<reference::Vector> turns, slides;
+};
+[[nodiscard]] FreeAxes free_axes(const JointDescription& joint);
 
 class JointTrees {
 public:
@@ -35,6 +42,7 @@ public:
     struct Link {
         reference::Vector reach;                             // m, from the parent's centre of mass to the body's
         std::vector<std::array<reference::Number, 6>> free;  // velocities against the parent at unit speeds
+        reference::Vector rod;                               // its unit vector; zero: it is none
     };
     using Links = std::vector<Link>;
 
@@ -51,6 +59,8 @@ public:
     // Sets the speeds from the velocities of the bodies. What the joints do not allow ends as in an impact without
     // restitution: the momentum along the free directions is kept.
     void end_velocities_across(std::span<reference::Number> state, const Motions& motions) const;
+    // The kinetic energy that so ends at the start, J.
+    [[nodiscard]] reference::Number energy_across(const Motions& motions) const;
     // Sets the motions of jointed bodies.
     Links place(std::span<const reference::Number> state, Motions& motions) const;
     // The rate of the state under the loads on all bodies. Links and motions are those of place().
@@ -77,6 +87,8 @@ private:
         int parent = -1;            // a body; -1: the world
         Vector arm_of_parent, arm;  // m, from the centre of mass to the anchor, in the axes of each
         Rotation rest;              // of the body in the parent's axes, at the start
+        Vector first_travel;        // m, in the parent's axes: from its anchor to the body's at the start
+        bool is_rod = false;
         std::vector<Direction> free;
         std::size_t first_speed = 0;
         std::vector<JointSpringDescription> springs;  // of each free direction; empty: there is none
@@ -93,9 +105,17 @@ private:
     [[nodiscard]] Place place_of(std::size_t node, std::span<const Number> state) const;
     [[nodiscard]] std::span<const Number> speeds_of(std::span<const Number> state) const;
     [[nodiscard]] static Vector axis_of(const Direction& direction, const Place& at);
+    // The directions that a solution eliminates, as `free`: of a rod two slides across it, and the turns.
+    [[nodiscard]] static std::vector<Six> ways_of(const Link& link);
     [[nodiscard]] Links links_of(std::span<const Number> state, const Motions& motions) const;
     [[nodiscard]] Six bias_of(std::size_t node, std::span<const Number> state, const Link& link,
                               const Motions& motions) const;
+    // m/s, in the parent's axes: how fast the travel changes.
+    [[nodiscard]] Vector sliding_of(const Node& node, std::span<const Number> state) const;
+    // Adds a change of that to the speeds, or to their rates.
+    static void add_slide(const Node& node, const Vector& slide, std::span<Number> speeds);
+    // m/s^2, along a rod, of a body that goes round its other end.
+    [[nodiscard]] static Number inward(const Node& node, const Vector& sliding);
     [[nodiscard]] Matrix inertia_of(std::size_t body, const Motions& motions) const;
     // The angle or the travel along each free direction since the start; of three rotations the vector of the turn.
     [[nodiscard]] static std::array<Number, 3> coordinates_of(const Node& node, const Place& at);

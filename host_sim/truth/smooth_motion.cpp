@@ -253,8 +253,9 @@ void SmoothMotion::add_loads(const std::vector<Motion>& motions, std::int64_t st
 // move by themselves, then the joints.
 void SmoothMotion::flow(std::int64_t from, std::int64_t to) {
     if (const JointDescription* const joint = without_equations(scene_.joints); joint != nullptr)
-        raise(std::invalid_argument("joint \"" + joint->name +
-                                    "\" keeps a distance, has limits or may break: its equations are not known"));
+        raise(std::invalid_argument(
+            "joint \"" + joint->name +
+            "\" keeps a distance in a range, has limits or may break: its equations are not known"));
     std::vector<Number> state;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         if (!bodies_[i].moves()) continue;

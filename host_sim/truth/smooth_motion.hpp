@@ -41,6 +41,8 @@ public:
     // x and v in the world frame; w in the user's body axes, which q rotates into the world frame. Fixed bodies keep
     // their place.
     [[nodiscard]] const std::vector<reference::Motion>& bodies() const { return now_; }
+    // The kinetic energy that joints end at the start, J.
+    [[nodiscard]] reference::Number energy_across_joints() const { return trees_.energy_across(now_); }
     // How often the equations of motion have been evaluated, and up to which time, s.
     [[nodiscard]] std::int64_t evaluations() const { return evaluations_; }
     [[nodiscard]] reference::Number reached() const { return reached_; }

@@ -1,16 +1,16 @@
 // Replays every shipped scene with every integrator of a list that runs in the number system TUMBLE_VARIANT, and prints
 // a line each: scene, number system, integrator, steps, state hash. The same source for the host and for every core.
 // Worlds have every feature compiled in that the scenes could use, but for those of point masses alone; other tests
-// show that a minimal world gives the same bits. With TUMBLE_CONTACT_SCENES it replays the first steps of the contact
-// scenes instead, whose worlds are larger than a stack: as many as make 4096 steps of a body. TUMBLE_MOST_STEPS ends
+// show that a minimal world gives the same bits. With TUMBLE_SUITE, a header with scenes, it replays the first steps of
+// these instead, whose worlds are larger than a stack: as many as make 4096 steps of a body. TUMBLE_MOST_STEPS ends
 // every scene after so many steps.
 #pragma once
 
 #include <tumble/replay.hpp>
 #include <tumble/tumble.hpp>
 
-#ifdef TUMBLE_CONTACT_SCENES
-#include "contact_scenes.hpp"
+#ifdef TUMBLE_SUITE
+#include TUMBLE_SUITE
 #else
 #include "all_scenes.hpp"
 #endif
@@ -26,10 +26,10 @@
 
 namespace {
 
-#ifdef TUMBLE_CONTACT_SCENES
-inline constexpr bool contact_scenes = true;
+#ifdef TUMBLE_SUITE
+inline constexpr bool is_suite = true;
 #else
-inline constexpr bool contact_scenes = false;
+inline constexpr bool is_suite = false;
 #endif
 
 // What one scene or another needs, of those with a body that rotates.
@@ -38,8 +38,8 @@ inline constexpr tumble::Features all_features = [] {
     for_each_scene([&]<class Scene>() {
         if (Scene::Config::features.rotation) all = all.united_with(Scene::Config::features);
     });
-    all.round_shapes = true;                  // of a scene without a plane, which others have
-    if (!contact_scenes) all.near_pairs = 2;  // the smallest core has room for few
+    all.round_shapes = true;            // of a scene without a plane, which others have
+    if (!is_suite) all.near_pairs = 2;  // the smallest core has room for few
     return all;
 }();
 
@@ -58,7 +58,7 @@ using ReplayOf = tumble::Replay<
                     features_of<Scene>>,
     Scene>;
 
-#ifdef TUMBLE_CONTACT_SCENES
+#ifdef TUMBLE_SUITE
 // The memory of one scene after the other.
 template <class Method>
 inline constexpr std::size_t largest_replay = [] {
@@ -76,13 +76,13 @@ alignas(std::max_align_t) inline unsigned char memory[largest_replay<Method>];
 template <class Method, class Scene>
 [[gnu::noinline]] void replay_scene(const char* variant) {
     using Replay = ReplayOf<Method, Scene>;
-#ifdef TUMBLE_CONTACT_SCENES
+#ifdef TUMBLE_SUITE
     Replay& replay = *new (memory<Method>) Replay;
 #else
     Replay replay;
 #endif
     constexpr std::uint32_t most =
-        contact_scenes ? 4096u / static_cast<std::uint32_t>(Scene::Config::features.bodies) : most_steps;
+        is_suite ? 4096u / static_cast<std::uint32_t>(Scene::Config::features.bodies) : most_steps;
     constexpr std::uint32_t steps = most < Scene::steps ? most : Scene::steps;
     while (replay.world().steps_taken() < steps && replay.step().ok()) {}
     namespace port = tumble::port;

@@ -62,6 +62,16 @@ TEST(AdviseDeep, the_cheapest_method_is_measured_with_carry_too) {
               json["ranking"][1]["cycles_per_simulated_second_est"]);
 }
 
+TEST(AdviseDeep, a_method_for_a_pendulum_on_a_hinge_is_found) {
+    const Json json = json_of({"advise", shipped("joints/pendulum"), "--core", "cortex-m3", "--tolerance", "1e-3",
+                               "--integrators", "verlet", "--numbers", "q32"});
+    ASSERT_FALSE(json["ranking"].empty()) << json;
+    const Json& best = json["recommendation"];
+    EXPECT_EQ(best["integrator"], "verlet");
+    EXPECT_LE(best["position_error_m"], 1e-3);
+    EXPECT_GT(best["cycles_per_step_est"], 1000);
+}
+
 TEST(Advise, cost_is_in_instructions_on_request_and_without_a_timing_table) {
     const auto advise = [](const std::vector<std::string>& options) {
         return tumble(with({"advise", free_body(), "--integrators", "rk4", "--numbers", "q32"}, options));

@@ -85,6 +85,15 @@ TEST(CompareDeep, every_kind_of_joint_has_the_same_bits_on_a_core) {
         "cortex-m0 agrees with the host: 33 states");
 }
 
+TEST(CompareDeep, joints_have_the_same_bits_on_a_core_with_floats_and_on_risc_v) {
+    expect_outcome(tumble({"compare", shipped("joints/double_pendulum"), "--core", "cortex-m4f", "--numbers", "f32",
+                           "--every", "16", "--duration", "1", "--check", "off"}),
+                   0, "cortex-m4f agrees with the host: 17 states, verlet, f32");
+    expect_outcome(tumble({"compare", shipped("joints/double_pendulum"), "--core", "rv32imac", "--every", "16",
+                           "--duration", "1", "--check", "off"}),
+                   0, "rv32imac agrees with the host: 17 states, verlet, q32");
+}
+
 TEST(CompareDeep, every_load_gives_the_same_bits) {
     for (const auto* scene : {"pendulum", "projectile", "satellite", "orbit"}) {
         SCOPED_TRACE(scene);

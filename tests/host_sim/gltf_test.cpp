@@ -190,7 +190,7 @@ private:
         }
         EXPECT_EQ(shown.size(), json_["nodes"].size());
         for (const Json& node : json_["nodes"]) {
-            expect_keys(node, {"name", "mesh", "translation", "rotation"}, {"children"});
+            expect_keys(node, {"name", "mesh", "translation", "rotation"}, {"children", "scale"});
             EXPECT_LT(node["mesh"].get<std::size_t>(), json_["meshes"].size());
             EXPECT_EQ(node["translation"].size(), 3u);
             expect_unit(node["rotation"].get<std::vector<float>>());
@@ -218,7 +218,7 @@ private:
             const std::size_t input = sampler["input"], output = sampler["output"];
             used_.insert({input, output});
             const bool turns = target["path"] == "rotation";
-            EXPECT_TRUE(turns || target["path"] == "translation");
+            EXPECT_TRUE(turns || target["path"] == "translation" || target["path"] == "scale");
             EXPECT_EQ(json_["accessors"][output]["type"], turns ? "VEC4" : "VEC3");
             EXPECT_TRUE(json_["accessors"][input].contains("min"));
             const std::vector<float> times = numbers(input), values = numbers(output);
@@ -278,6 +278,30 @@ TEST(Gltf, has_the_joints_as_parts_of_their_bodies) {
     // A joint of each kind, two pins of the universal one.
     EXPECT_EQ(file_of(written("kinds.toml", scene_of_every_joint), {"--duration", "0.1"}).json()["nodes"].size(),
               5u + 6);
+}
+
+TEST(Gltf, has_a_rope_as_a_line_from_its_hook_to_its_weight) {
+    const File file = file_of(shipped("joints/rope"), {"--duration", "1.25", "--every", "16"});
+    const auto weight = file.track("weight", "translation"), middle = file.track("rope", "translation"),
+               turn = file.track("rope", "rotation"), scale = file.track("rope", "scale");
+    ASSERT_TRUE(weight && middle && turn && scale);
+    const std::size_t count = weight->second.size();
+    ASSERT_EQ(scale->first.size(), 3 * count);
+    double shortest = 2;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float* const at = &weight->first[3 * i];
+        const double length = std::hypot(at[0], at[1], at[2]);
+        shortest = std::min(shortest, length);
+        EXPECT_NEAR(scale->first[3 * i + 2], length, 1e-6);
+        for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(middle->first[3 * i + k], at[k] / 2, 1e-6);
+        // The third column of the rotation is z, along which the line lies.
+        const float* const q = &turn->first[4 * i];
+        const double way[] = {2 * (q[0] * q[2] + q[3] * q[1]), 2 * (q[1] * q[2] - q[3] * q[0]),
+                              1 - 2 * (q[0] * q[0] + q[1] * q[1])};
+        for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(way[k] * length, -at[k], 1e-5);
+    }
+    EXPECT_LT(shortest, 1.9);  // it has been slack
+    EXPECT_EQ(file.json()["nodes"].size(), 2u);
 }
 
 TEST(Gltf, ends_where_the_run_ends) {

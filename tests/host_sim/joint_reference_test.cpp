@@ -78,12 +78,23 @@ struct Built {
         joint.to_axis = triple(to_axis);
         scene.joints.push_back(joint);
     }
-    // At a time, s.
-    [[nodiscard]] std::vector<Motion> at(double time) const {
-        SmoothMotion motion(scene, [](ShapeKind, ShapeKind) { return true; });
-        motion.advance_to(nearest_step(time, scene.step));
-        return motion.bodies();
+    void join_by_rod(int body, int to_body, const Vector& point, const Vector& to_point) {
+        join(JointKind::distance, body, to_body, point);
+        JointDescription& joint = scene.joints.back();
+        joint.to_point = triple(to_point);
+        joint.least = joint.most = static_cast<double>(norm(point - to_point));
     }
+    // At rising times, s.
+    [[nodiscard]] std::vector<std::vector<Motion>> at(std::initializer_list<double> times) const {
+        SmoothMotion motion(scene, [](ShapeKind, ShapeKind) { return true; });
+        std::vector<std::vector<Motion>> states;
+        for (const double time : times) {
+            motion.advance_to(nearest_step(time, scene.step));
+            states.push_back(motion.bodies());
+        }
+        return states;
+    }
+    [[nodiscard]] std::vector<Motion> at(double time) const { return at({time})[0]; }
 };
 
 void expect_near(const Vector& got, const Vector& expected, Number most = tolerance) {
@@ -685,6 +696,97 @@ TEST(JointReference, springs_of_joints_keep_momentum_and_lose_no_energy) {
         EXPECT_NEAR(static_cast<double>(energy(now)), static_cast<double>(energy(start)), 1e-12) << time;
         expect_near(momentum(now), momentum(start), 1e-13L);
     }
+}
+
+// Its centre is on a sphere, and nothing turns it. The gravity makes the period 1 s.
+TEST(JointReference, weight_that_hangs_on_a_rod_by_its_centre_is_a_simple_pendulum) {
+    for (const Number amplitude : {0.25L, 2.5L})
+        for (const Frame3& frame : frames) {
+            SCOPED_TRACE(static_cast<double>(amplitude));
+            const bool is_reversed = frame.is_mirrored;
+            const Number length = 1.75L, rate = 2 * pi / arithmetic_geometric_mean(1, std::cos(amplitude / 2));
+            Built built;
+            built.scene.gravity = triple(frame.direction({0, -length * rate * rate, 0}));
+            const Vector hook = frame.point({}), start = frame.point(hanging(length, amplitude));
+            const int base = built.add({1, 1, 1}, 1, hook), body = built.add({0.5, 0.25, 1}, 3, start);
+            built.scene.bodies[0].fixed = true;
+            if (is_reversed) built.join_by_rod(base, body, hook, start);
+            else built.join_by_rod(body, base, start, hook);
+            const auto states = built.at({0.5, 0.71875, 1});
+            const auto at = [&](std::size_t i) { return states[i][static_cast<std::size_t>(body)]; };
+            expect_near(at(0).x, frame.point(hanging(length, -amplitude)), 1e-12L);
+            EXPECT_NEAR(static_cast<double>(norm(at(1).x - hook)), static_cast<double>(length), 1e-14);
+            expect_near(at(2).x, start, 1e-12L);
+            expect_near(at(2).q, Rotation{});
+        }
+}
+
+TEST(JointReference, two_bodies_on_a_rod_between_their_centres_go_round_their_common_centre) {
+    for (const Frame3& frame : frames) {
+        const Number length = 1.5L, spin = 2.25L, of_first = 0.75L;  // of 3 kg and 1 kg
+        const Vector drift{0.5L, -0.25L, 1}, axis = unit(Vector{0.5L, 0.25L, 0}),
+                                             across = unit(Vector{-0.25L, 0.5L, 1});
+        const auto rod_at = [&](Number time) { return exponential(axis * (spin * time)).rotate(across * length); };
+        const auto place = [&](bool second, Number time) {
+            return frame.point(drift * time + rod_at(time) * (second ? of_first : of_first - 1));
+        };
+        const auto velocity = [&](bool second) {
+            return frame.direction(drift + cross(axis * spin, rod_at(0)) * (second ? of_first : of_first - 1));
+        };
+        Built built;
+        built.add({1, 0.5, 0.25}, 3, place(false, 0), {}, velocity(false));
+        built.add({0.25, 0.5, 1}, 1, place(true, 0), {}, velocity(true));
+        built.join_by_rod(0, 1, place(false, 0), place(true, 0));
+        for (const double time : {0.5, 2.0}) {
+            const auto now = built.at(time);
+            for (const bool second : {false, true}) {
+                expect_near(now[second].x, place(second, time));
+                expect_near(now[second].q, Rotation{});
+            }
+        }
+    }
+}
+
+TEST(JointReference, rods_keep_their_lengths_and_the_energy) {
+    Built built;
+    built.scene.gravity = {0, -9.81, 0};
+    const int a = built.add({1, 0.5, 0.25}, 2, {0.5L, 0, 0}),
+              b = built.add({0.5, 1, 0.75}, 1, {2, 0, 0.5L}, exponential<Number>({0.3L, 0.2L, -0.5L}), {0, 1, 2},
+                            {1, -3, 2}),
+              c = built.add({0.5, 0.25, 0.5}, 3, {2, -2, 0}, {}, {1, 0, 0}, {0, 4, 1});
+    const struct {
+        int body, other;
+        Vector point, of_other;
+    } rods[] = {{b, a, {1.75L, 0.25L, 0.5L}, {1, 0.25L, 0}}, {b, c, {2, -0.5L, 0.75L}, {1.75L, -2, 0.25L}}};
+    built.join(JointKind::hinge, a, -1, {});
+    for (const auto& rod : rods) built.join_by_rod(rod.body, rod.other, rod.point, rod.of_other);
+    const auto place = [&](const std::vector<Motion>& now, int body, const Vector& point) {
+        const auto& start = built.scene.bodies[static_cast<std::size_t>(body)];
+        const Motion& of = now[static_cast<std::size_t>(body)];
+        return of.x + of.q.rotate(rotation_of(start.orientation).rotate_back(point - vector_of(start.position)));
+    };
+    const auto energy = [&](const std::vector<Motion>& now) {
+        Number sum = 0;
+        for (std::size_t i = 0; i < now.size(); ++i) {
+            const auto& [x, y, z] = built.scene.bodies[i].shape.size;
+            const Number mass = *built.scene.bodies[i].mass;
+            const Vector &v = now[i].v, &w = now[i].w;
+            sum +=
+                mass * (dot(v, v) / 2 + 9.81 * now[i].x.y) +
+                mass / 24 * ((y * y + z * z) * w.x * w.x + (x * x + z * z) * w.y * w.y + (x * x + y * y) * w.z * w.z);
+        }
+        return sum;
+    };
+    // What the rods do not allow ends at the start.
+    const auto states = built.at({1.0 / 64, 0.5, 1.5});
+    for (const auto& now : states) {
+        EXPECT_NEAR(static_cast<double>(energy(now)), static_cast<double>(energy(states[0])), 1e-12);
+        for (const auto& rod : rods)
+            EXPECT_NEAR(
+                static_cast<double>(norm(place(now, rod.body, rod.point) - place(now, rod.other, rod.of_other))),
+                static_cast<double>(norm(rod.point - rod.of_other)), 1e-13);
+    }
+    EXPECT_GT(norm(states.back()[static_cast<std::size_t>(b)].x - vector_of(built.scene.bodies[1].position)), 0.5L);
 }
 
 TEST(JointReference, ropes_limits_and_joints_that_may_break_have_no_equations) {

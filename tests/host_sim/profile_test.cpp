@@ -32,6 +32,19 @@ TEST(Profile, functions_add_up_to_the_cycles_of_a_step) {
     EXPECT_NE(contents(flame).find("<title>step_world"), std::string::npos);
 }
 
+TEST(ProfileDeep, a_step_with_a_joint_has_its_functions) {
+    const Json json = json_of({"profile", shipped("joints/pendulum"), "--core", "cortex-m3", "--duration", "0.25"});
+    const double estimate = json["cycles_per_step_est"];
+    double own = 0;
+    bool has_joints = false;
+    for (const Json& function : json["functions"]) {
+        own += function["own_cycles_per_step"].get<double>();
+        has_joints = has_joints || function["function"].get<std::string>().find("Joint") != std::string::npos;
+    }
+    EXPECT_NEAR(own, estimate, 0.01);
+    EXPECT_TRUE(has_joints);
+}
+
 TEST(Profile, bad_input_is_refused) {
     const auto expect = [](const std::vector<std::string>& options, const std::string& message) {
         expect_outcome(tumble(with({"profile", shipped("free")}, options)), 2, message);

@@ -395,6 +395,16 @@ TYPED_TEST(Joints, the_energy_of_a_pendulum_has_no_trend) {
     if (this->carries_single) { EXPECT_LT(moved(1024), 3e-5); }
 }
 
+#ifdef TUMBLE_EVERY_KIND
+// 11 hours of its motion.
+TYPED_TEST(Joints, the_energy_of_a_pendulum_has_no_trend_in_1e7_steps_of_fixed_point) {
+    if constexpr (std::is_same_v<TypeParam, Kind<Q32<>, integrators::Verlet>>) {
+        const int window = static_cast<int>(8 * joint_cases::pendulum_period(2.5, this->rod, 9.81 / 2) * 256);
+        EXPECT_LT(std::abs(this->energy_moved(this->pendulum(2.5), window, 10'000'000) / 9.81), 3e-5);
+    }
+}
+#endif
+
 TYPED_TEST(Joints, the_energy_of_a_spherical_pendulum_has_no_trend) {
     typename TestFixture::Mechanism m;
     BodySpec body =

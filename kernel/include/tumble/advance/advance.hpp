@@ -60,6 +60,7 @@ public:
     // Writes or reads what a snapshot of a whole world holds.
     template <class Self, class Archive>
     static void archive(Self& self, Archive& to) {
+        if constexpr (Archive::reads) self.disturb();
         if constexpr (prepares_spin())
             for (int b = 0; b < self.bodies.count; ++b) to(self.inertia_[b]);
         if constexpr (has_wrenches) to(self.wrenches, self.gravity_);
@@ -68,7 +69,6 @@ public:
             Joints::archive(self.joints, self.bodies, to);
             if constexpr (Archive::reads) self.keep_joint_springs();
         }
-        if constexpr (Archive::reads) self.disturb();
         if constexpr (keeps_kicks && Loads::may_depend_on_velocity)
             for (int b = 0; b < self.bodies.count; ++b)
                 KeptKick<N, rotation>::archive(self.kept_.of_body[b], to, self.kept_.disturbances);

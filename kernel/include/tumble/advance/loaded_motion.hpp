@@ -135,7 +135,8 @@ private:
         const DriftSum falls[3]{whole(fall[0]), whole(fall[1]), whole(fall[2])};
         const bool turned = is_turned(group);
         if (features.bodies == 1 || !coupled) {
-            auto evaluate = loads.template evaluation<true>(bodies, group, length, falls, turned);
+            auto evaluate =
+                with_joints(loads.template evaluation<true>(bodies, group, length, falls, turned), group, length);
             if constexpr (keeps_kicks) {
                 if (keeps && !is_pushed_between_kicks(group.id[0], evaluate))
                     evaluate.kept = &kept_.of_body[group.id[0]];
@@ -145,9 +146,43 @@ private:
             staged<1>(group, evaluate, info);
         } else if constexpr (features.bodies > 1) {
             staged<features.bodies>(
-                group, loads.template evaluation<false>(bodies, group, length, falls, turned, places_.of(group)), info);
+                group,
+                with_joints(loads.template evaluation<false>(bodies, group, length, falls, turned, places_.of(group)),
+                            group, length),
+                info);
         }
         if constexpr (has_wrenches) half_kick_by_wrenches(group, part...);
+    }
+    // The loads of jointed bodies. A flight begins and ends with half a kick by the joints, which the bodies have at
+    // once and which is not their velocity: loads see that of before the first and, as far as it is known, that of
+    // after the second. Else a damper would push against what the joint does, and the joint against that.
+    template <class Evaluate>
+    struct AcrossJoints : Evaluate {
+        const typename Base::Joints& joints;
+        const BodyGroup& group;
+        Work length;  // of the flight, in steps
+
+        template <class Stage>
+        void hold(Stage* state, bool ends) const {
+            if (!this->depends_on_velocity()) return;
+            for (int k = 0; k < group.count; ++k) {
+                const Kick<N>* const kick = joints.kick_of(group.id[k]);
+                if (kick == nullptr) continue;
+                const Work part = ends ? length : -length;
+                for (int i = 0; i < 3; ++i) {
+                    state[k].d_w[i] +=
+                        N::drift_sum(N::metres(kick->linear[i], this->bodies.scale) * part, this->bodies.scale);
+                    state[k].t_b[i] += N::narrow_turn(N::turn_sum(
+                        N::half_turn(kick->angular[i], this->bodies.finest_scale()) * part, this->bodies.scale));
+                }
+            }
+        }
+    };
+    template <class Evaluate>
+    [[nodiscard]] TUMBLE_INLINE auto with_joints(const Evaluate& evaluate, [[maybe_unused]] const BodyGroup& group,
+                                                 [[maybe_unused]] Work length) const {
+        if constexpr (Base::has_joints) return AcrossJoints<Evaluate>{evaluate, this->joints, group, length};
+        else return evaluate;
     }
     // Whether the method steps bodies whose rotation the loads neither change nor ask for as it steps point masses.
     static constexpr bool translates =

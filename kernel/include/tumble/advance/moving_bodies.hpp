@@ -65,8 +65,10 @@ public:
         return !same;
     }
 
-    // Call after every change of what loads depend on, unless a step made it. It voids the kicks that were kept.
+    // Call after every change of what loads depend on, unless a step made it. It voids the kicks that were kept, and
+    // trees of joints are no longer at rest.
     TUMBLE_INLINE constexpr void disturb() {
+        if constexpr (has_joints) joints.wake();
         if constexpr (keeps_kicks)
             if (++kept_.disturbances == 0) ++kept_.disturbances;
     }

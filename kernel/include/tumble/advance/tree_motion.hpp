@@ -13,9 +13,10 @@ class TreeMotion : public MotionInParts<S> {
 
 public:
     constexpr TreeMotion(Seconds step, const WorldSpec& spec) : Base{step, spec} {}
-    using Base::check_range, Base::disturb, Base::is_coupled, Base::portion, Base::spin_changed;
-    using Base::features, Base::has_joints, Base::may_couple, Base::spring_bounds, Base::bodies, Base::loads,
-        Base::joints, Base::with_trees_, Base::alone_, Base::flies_parts_alone;
+    using Base::check_range, Base::disturb, Base::has_moving_end, Base::is_coupled, Base::portion, Base::spin_changed;
+    using Base::features, Base::has_joints, Base::has_own_loads, Base::has_wrenches, Base::may_couple,
+        Base::spring_bounds, Base::bodies, Base::loads, Base::wrenches, Base::joints, Base::with_trees_, Base::alone_,
+        Base::flies_parts_alone;
     using typename Base::N, typename Base::Integrator, typename Base::Work, typename Base::Bodies,
         typename Base::BodyGroup, typename Base::Loads, typename Base::Portion;
 
@@ -101,25 +102,28 @@ public:
             if (steps_with_trees(b) && is_coupled(b)) coupled.add(b);
         typename Hold::Trees together;
         for (int t = 0; t < joints.tree_count(); ++t) {
-            const JointTreeState& tree = joints.tree(t);
+            JointTreeState& tree = joints.tree(t);
             BodyGroup group;
-            bool is_apart = true;
+            bool is_apart = true, may_rest = !has_own_loads;
             for (int i = tree.first; i < tree.last; ++i) {
                 const int b = joints.nodes()[i].body;
                 group.add(b);
+                if constexpr (has_wrenches) may_rest = may_rest && !wrenches.act_on(b);
                 if constexpr (may_couple)
                     loads.for_each_coupled(bodies, b, [&](int other) {
                         is_apart = is_apart && (bodies.constants[other].fixed() || joints.is_in(tree, other));
                     });
             }
+            may_rest = may_rest && is_apart && !has_moving_end(group);
+            if (may_rest && joints.is_at_rest(tree)) continue;
             if (is_apart) {
-                hold(typename Hold::Trees{t}, group, info);
+                hold(typename Hold::Trees{t}, group, info, may_rest);
                 continue;
             }
             together.add(t);
             for (int i = tree.first; i < tree.last; ++i) coupled.add_once(joints.nodes()[i].body);
         }
-        if (together.count > 0) hold(together, coupled, info);
+        if (together.count > 0) hold(together, coupled, info, false);
     }
 
     void keep_joint_springs() {
@@ -175,15 +179,16 @@ private:
     }
     using Hold = JointHold<Bodies, features, may_couple, Pieces>;
     // A step of trees, with all bodies that step together.
-    [[gnu::noinline]] void hold(const typename Hold::Trees& trees, const BodyGroup& group,
-                                const StepInfo<N>& info) requires has_joints {
+    [[gnu::noinline]] void hold(const typename Hold::Trees& trees, const BodyGroup& group, const StepInfo<N>& info,
+                                bool may_rest) requires has_joints {
         const auto fly = [&](int halvings, [[maybe_unused]] int piece) {
             if constexpr (Pieces::count == 1)
                 portion(group, info, halvings == 0 ? Portion{} : Portion{false, Hold::length_of_part(halvings)});
             else portion(group, info, {false, Hold::length_of_part(halvings) * lengths_of_pieces.of[piece]});
         };
         if constexpr (flies_parts_alone) alone_.is_flown = true;
-        Hold{joints, bodies, trees}.step(group, fly, [&](int b) { spin_changed(b); });
+        Hold{joints, bodies, trees}.step(
+            group, fly, [&](int b) { spin_changed(b); }, may_rest);
         if constexpr (flies_parts_alone) alone_.is_flown = false;
         if constexpr (features.has_joint_springs())
             for (int t = 0; t < trees.count; ++t)

@@ -309,7 +309,7 @@ private:
 
 struct SnapshotHeader {
     static constexpr int words = 8, bytes = 4 * words;
-    static constexpr std::uint32_t mark = 0x6c626d74u, version = 5;  // "tmbl"
+    static constexpr std::uint32_t mark = 0x6c626d74u, version = 6;  // "tmbl"
 
     SnapshotPart part = SnapshotPart::world;
     Spin spin = Spin::none;     // in the states of bodies

@@ -19,6 +19,7 @@ struct JointRecord {
     Side side[2];                                      // of `body` and of `to_body`
     IntegratedVec3<N, typename N::Position> anchor{};  // in the world, where it is the other side
     std::uint8_t kind = 0;
+    std::int8_t halvings = 0;  // of a step, for its dampers
     bool is_there = false;
     std::uint16_t generation = 0;  // removals of a joint of this place, modulo 2^16
 
@@ -63,6 +64,8 @@ struct JointTreeState {
     std::int8_t corrections = 0;       // of the last step
     std::int8_t open_bits = 0;         // of the targets of a solution, in fixed point
     std::int8_t halvings = 0;          // of the next step, which is flown in 2^halvings parts; kicks are of one
+    std::int8_t least_halvings = 0;    // of every step, for dampers
+    std::int16_t still_steps = 0;      // the last steps, up to those of a rest, in which nothing has moved
 };
 
 template <class N, Features features>
@@ -124,6 +127,7 @@ public:
         set_sides(joint, bodies, spec.body, spec.to_body, detail::anchor_of(spec, 0), detail::anchor_of(spec, 1),
                   Kind::axes_of(spec));
         joint.kind = JointKinds::number_of<Spec>;
+        if constexpr (features.has_joint_springs()) joint.halvings = halvings_for_dampers(spec, joint, bodies);
         if constexpr (features.has_joint_ranges()) {
             range_[place] = JointRange<N>{};
             if constexpr (requires { spec.most; }) set_range(range_[place], spec);
@@ -183,6 +187,30 @@ public:
         for (int t = 0; t < tree_count_; ++t)
             if (is_in(tree_[t], b) || node_[tree_[t].first].base == b) forget_pose(tree_[t]);
     }
+    // Call after a change of what loads depend on.
+    constexpr void wake() {
+        for (JointTreeState& tree : tree_) tree.still_steps = 0;
+    }
+    // True of a tree that stays where it is until something changes.
+    [[nodiscard]] bool is_at_rest(const JointTreeState& tree) const {
+        return tree.still_steps == steps_to_rest_ && !tree.is_disturbed && !tree.is_moved;
+    }
+    // Counts a step, if no part of the tree is farther from where it was when the count began than joints that count as
+    // closed let it be. True where it has come to rest with it.
+    [[nodiscard]] bool comes_to_rest(JointTreeState& tree, const auto& bodies, bool may_rest) {
+        bool slow = may_rest;
+        for (int i = tree.first; i < tree.last && slow; ++i) {
+            const Node& node = node_[i];
+            const auto& state = bodies.state[node.body];
+            for (int k = 0; k < 3 && slow; ++k)
+                slow = J::is_slow(state.d_w[k], bodies.scale, node.length_log2, state.x_w, node.lever, node.link);
+        }
+        if (!slow) [[likely]] {
+            tree.still_steps = 0;
+            return false;
+        }
+        return stays(tree, bodies) && tree.still_steps == steps_to_rest_;
+    }
     [[nodiscard]] TUMBLE_INLINE bool is_jointed(int b) const { return is_jointed_[b]; }
     // True of a fixed body to which a tree ties.
     [[nodiscard]] bool has_base(int b) const {
@@ -233,6 +261,11 @@ public:
     }
     [[nodiscard]] Node* nodes() { return node_; }
     [[nodiscard]] const Node* nodes() const { return node_; }
+    // The half kick of a body's joints; null where it has none.
+    [[nodiscard]] const Kicks* kick_of(int b) const {
+        const int i = is_jointed_[b] ? node_of_body(b) : -1;
+        return i < 0 ? nullptr : &kick_[i];
+    }
     [[nodiscard]] Kicks* kicks() { return kick_; }
     [[nodiscard]] const Kicks* kicks() const { return kick_; }
     [[nodiscard]] FreeDirection<N>* directions() { return direction_; }
@@ -329,10 +362,11 @@ public:
         for (int t = 0; t < self.tree_count_; ++t) {
             auto& tree = self.tree_[t];
             to(tree.is_disturbed, tree.is_moved);
+            (void)to.within(tree.still_steps, 0, self.steps_to_rest_);
             if constexpr (features.joint_springs) to(tree.is_new);
             (void)to.within(tree.halvings, 0, most_halvings);
             if constexpr (Archive::reads) tree.is_factored = false;
-            for (int i = tree.first; i < tree.last; ++i) to(self.kick_[i]);
+            for (int i = tree.first; i < tree.last; ++i) to(self.kick_[i], self.pose_[i].at);
             if constexpr (features.has_joint_ranges())
                 for (int i = tree.first; i < tree.last; ++i) {
                     auto& node = self.node_[i];
@@ -402,18 +436,24 @@ private:
             const int i = self.node_of_body(b);
             JointTreeState tree = i < 0 ? JointTreeState{} : self.tree_at(i);
             Kicks kick{};
-            if (i >= 0) kick = self.kick_[i];
-            int halvings = tree.halvings;
-            to(kick, tree.is_disturbed, tree.is_moved, tree.is_new);
-            halvings = to.within(halvings, 0, most_halvings);
+            typename J::Pose pose{};
+            if (i >= 0) {
+                kick = self.kick_[i];
+                pose = self.pose_[i];
+            }
+            to(kick, pose.at, tree.is_disturbed, tree.is_moved, tree.is_new);
+            (void)to.within(tree.halvings, 0, most_halvings);
+            (void)to.within(tree.still_steps, 0, self.steps_to_rest_);
             if constexpr (Archive::reads)
                 if (i >= 0) {
                     JointTreeState& own = *self.tree_of(b);
                     self.kick_[i] = kick;
+                    self.pose_[i] = pose;
                     own.is_disturbed = tree.is_disturbed;
                     own.is_moved = tree.is_moved;
                     own.is_new = tree.is_new;
-                    own.halvings = static_cast<std::int8_t>(halvings);
+                    own.halvings = tree.halvings;
+                    own.still_steps = tree.still_steps;
                     own.is_factored = false;
                 }
         }
@@ -426,6 +466,20 @@ private:
         if constexpr (Archive::reads && features.has_joint_ranges())
             for (int i = 0; i < self.node_count_; ++i)
                 if (self.has_range(self.node_[i])) self.set_end(self.node_[i], self.range(self.node_[i]).end);
+    }
+    // Counts a step of a slow tree, or begins the count anew: false.
+    [[nodiscard, gnu::noinline, gnu::cold]] bool stays(JointTreeState& tree, const auto& bodies) {
+        bool same = tree.still_steps > 0;
+        for (int i = tree.first; i < tree.last && same; ++i) {
+            const Node& node = node_[i];
+            // Its gap and those from there to the root may have opened and closed.
+            const int gaps = 2 * (i + 1 - tree.first);
+            same = J::is_at(pose_[i], bodies.state[node.body], gaps, node.length_log2, node.lever, node.link);
+        }
+        if (!same)
+            for (int i = tree.first; i < tree.last; ++i) J::take_pose(pose_[i], bodies.state[node_[i].body]);
+        tree.still_steps = static_cast<std::int16_t>(same ? tree.still_steps + 1 : 1);
+        return same;
     }
     // Whether a joint is there, whether it has broken, and its generation.
     [[nodiscard]] int state_of(int j) const {
@@ -609,6 +663,8 @@ private:
         }
         for (int t = 0; t < kept_trees; ++t) kept_tree[t] = tree_[t];
         node_count_ = tree_count_ = direction_count_ = 0;
+        const std::uint64_t steps = detail::nearest_step(Real::scaled(1, -1), bodies.step_length);
+        steps_to_rest_ = static_cast<std::int16_t>(steps < 1 ? 1 : steps < INT16_MAX ? steps : INT16_MAX);
         for (int b = 0; b < features.bodies; ++b) is_jointed_[b] = false;
         for (int b = 0; b < bodies.count; ++b)
             if (const int j = is_base(bodies, b) ? none : base_joint(bodies, b); j != none) grow(bodies, b, j);
@@ -623,7 +679,12 @@ private:
                         for (int at = tree.first; at < tree.last; ++at)
                             if (node_[at].body == kept_body[i]) f(kept_tree[k], kept_kick[i], at);
             };
-            for (int i = tree.first; i < tree.last; ++i) kick_[i] = {};
+            for (int i = tree.first; i < tree.last; ++i) {
+                kick_[i] = {};
+                if (const int j = node_[i].joint; j != Node::no_joint && record_[j].halvings > tree.least_halvings)
+                    tree.least_halvings = record_[j].halvings;
+            }
+            tree.halvings = tree.least_halvings < most_halvings ? tree.least_halvings : std::int8_t{most_halvings};
             each_kept([&](const JointTreeState& kept, const Kicks&, int) {
                 tree.is_disturbed = tree.is_disturbed || kept.is_disturbed;
                 tree.is_moved = tree.is_moved || kept.is_moved;
@@ -641,6 +702,46 @@ private:
         }
     }
     static constexpr int none = -2;
+    // The half kick that ends a part is found by iterations, of which each leaves h c / 2 I of the one before, with the
+    // damping c in a part h of a step, and the inertia I of each side by itself: a quarter at most.
+    TUMBLE_COLD [[nodiscard]] static constexpr std::int8_t halvings_for_dampers(const auto& spec, const Record& joint,
+                                                                                const auto& bodies) {
+        using Kind = typename JointKinds::Of<std::remove_cvref_t<decltype(spec)>>;
+        Real most{};
+        for (int k = 0; k < 2; ++k) {
+            Real response{};
+            for (const auto& side : joint.side)
+                if (!is_base(bodies, side.body)) response += response_of<Kind>(side, side.axis[0], bodies);
+            response = response * detail::spring_of(spec, k).damping * Real::scaled(1, -1);
+            if (response > most) most = response;
+        }
+        std::int8_t halvings = 0;
+        for (; most > Real::scaled(1, -2) && halvings <= most_halvings; ++halvings) most = most * Real::scaled(1, -1);
+        return halvings;
+    }
+    // The rate that an impulse along a free direction gives to a side, in a step: an axis of the side, or the most of
+    // all directions, of a ball and of a distance.
+    template <class Kind>
+    TUMBLE_COLD [[nodiscard]] static constexpr Real response_of(const typename Record::Side& side, const auto& axis,
+                                                                const auto& bodies) {
+        const auto real = [](const auto& v) {
+            return RealVec3{static_cast<Real>(N::work(v[0])), static_cast<Real>(N::work(v[1])),
+                            static_cast<Real>(N::work(v[2]))};
+        };
+        RealVec3 per_moment;
+        Real largest{};
+        for (int i = 0; i < 3; ++i) {
+            per_moment[i] = static_cast<Real>(bodies.step_per_moment(side.body, i));
+            if (per_moment[i] > largest) largest = per_moment[i];
+        }
+        const auto about = [&](const RealVec3& v) {
+            return v.x * v.x * per_moment.x + v.y * v.y * per_moment.y + v.z * v.z * per_moment.z;
+        };
+        if constexpr (Kind::slides == 0) return Kind::turns == 3 ? largest : about(real(axis));
+        const RealVec3 arm = arm_of(side);
+        return static_cast<Real>(bodies.step_per_mass(side.body)) +
+               (Kind::slides == 1 ? about(cross(arm, real(axis))) : dot(arm, arm) * largest);
+    }
     // The joint of a body with a base, or `none`.
     TUMBLE_COLD [[nodiscard]] constexpr int base_joint(const auto& bodies, int b) const {
         for (int j = 0; j < room; ++j)
@@ -794,10 +895,12 @@ private:
     [[no_unique_address]] If<features.has_joint_ranges(), JointRange<N>[room], 22> range_ {};
     Node node_[most_nodes]{};
     Kicks kick_[most_nodes]{};
+    typename J::Pose pose_[most_nodes]{};  // where a body was when the count of still steps began
     FreeDirection<N> direction_[most_directions]{};
     JointTreeState tree_[most_trees]{};
     bool is_jointed_[features.bodies > 0 ? features.bodies : 1]{};
     std::int16_t node_count_ = 0, tree_count_ = 0, direction_count_ = 0;
+    std::int16_t steps_to_rest_ = 1;  // half a second
 };
 
 }  // namespace tumble

@@ -64,8 +64,10 @@ public:
 
     // One step of a group, which holds all bodies of the trees. fly(n, i): moves the group over piece i of a part of
     // 2^-n of the step. spin_changed(b): something other than a flight has changed the spin of b.
+    // `may_rest`: nothing acts on the trees that changes by itself. They are at rest where no part of them has moved
+    // for half a second by more than what counts as closed, as rounding does. Then their motion ends.
     template <class Fly, class SpinChanged>
-    void step(const Group& group, Fly&& fly, SpinChanged&& spin_changed) {
+    void step(const Group& group, Fly&& fly, SpinChanged&& spin_changed, bool may_rest) {
         halvings_ = 0;
         each([&](JointTreeState& tree) {
             if (tree.is_moved || tree.is_disturbed || !tree.is_factored) [[unlikely]]
@@ -82,7 +84,11 @@ public:
                 part *= 2;
             }
         }
-        each([&](const JointTreeState& tree) { scale_kicks(tree, halvings_, tree.halvings); });
+        each([&](JointTreeState& tree) {
+            scale_kicks(tree, halvings_, tree.halvings);
+            if (forest_.comes_to_rest(tree, bodies_, may_rest)) [[unlikely]]
+                end_motion(tree, spin_changed);
+        });
     }
 
 private:
@@ -265,6 +271,18 @@ private:
         for (int i = tree.first; i < tree.last; ++i) f(forest_.nodes()[i], i);
     }
 
+    template <class SpinChanged>
+    [[gnu::noinline, gnu::cold]] void end_motion(JointTreeState& tree, SpinChanged& spin_changed) {
+        tree.corrections = 0;
+        each_node(tree, [&](const Node& node, int) {
+            auto& state = bodies_.state[node.body];
+            for (int k = 0; k < 3; ++k) {
+                state.d_w[k] = {};
+                state.t_b[k] = {};
+            }
+            spin_changed(node.body);
+        });
+    }
     // Closes gaps and ends rates that something other than a step has left.
     template <class SpinChanged>
     [[gnu::noinline, gnu::cold]] void settle(JointTreeState& tree, SpinChanged& spin_changed) {
@@ -420,12 +438,15 @@ private:
     }
     // The parts that the next step is to have.
     void divide(JointTreeState& tree, int halvings) {
+        if (tree.least_halvings > halvings) halvings = tree.least_halvings;
         if (halvings > most_halvings) [[unlikely]]
             report(Issue::step_too_long, tree);
         tree.halvings = static_cast<std::int8_t>(halvings < most_halvings ? halvings : most_halvings);
     }
     template <class Fly>
     [[gnu::noinline, gnu::cold]] void project(Fly& fly) {
+        each(
+            [&](const JointTreeState& tree) { each_node(tree, [&](const Node&, int i) { forest_.kicks()[i] = {}; }); });
         fly(halvings_, piece());
         each([&](JointTreeState& tree) { report(close(tree) ? Issue::step_bound_hit : Issue::joint_open, tree); });
     }

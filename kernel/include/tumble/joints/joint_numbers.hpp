@@ -311,6 +311,40 @@ requires(N::fixed_point) struct JointNumbers<N> {
         if (!N::carry && of_places > up) up = of_places;
         return {std::int32_t{3} << (up > 28 ? 28 : up)};
     }
+    // Where a body was: sums without their upper bits, of which small differences need none.
+    struct Pose {
+        std::int32_t at[7];
+    };
+    static void take_pose(Pose& pose, const auto& state) {
+        for (int i = 0; i < 3; ++i)
+            pose.at[i] = static_cast<std::int32_t>(state.x_w[i].sum().raw >> (sum_bits - gap_bits));
+        const auto& q = state.q_wb;
+        const std::int64_t parts[] = {q.w.sum().raw, q.x.sum().raw, q.y.sum().raw, q.z.sum().raw};
+        constexpr int down = decltype(q.w.sum())::fraction_bits - gap_bits;
+        for (int i = 0; i < 4; ++i) pose.at[3 + i] = static_cast<std::int32_t>(parts[i] >> down);
+    }
+    // Whether it is there, but for so many gaps that count as closed. Its arms are over 2^log2 m.
+    [[nodiscard]] static bool is_at(const Pose& pose, const auto& state, int gaps, int log2, const auto&, const auto&) {
+        Pose now;
+        take_pose(now, state);
+        // The change of a unit quaternion is half of the turn.
+        const std::int64_t most = std::int64_t{gaps} * enough(false, log2, 0).raw, most_turn = lowered(most, log2 + 1);
+        bool same = true;
+        for (int i = 0; i < 7; ++i) {
+            const auto way = static_cast<std::int32_t>(static_cast<std::uint32_t>(now.at[i]) -
+                                                       static_cast<std::uint32_t>(pose.at[i]));
+            const std::int64_t limit = i < 3 ? most : most_turn;
+            same = same && way <= limit && way >= -limit;
+        }
+        return same;
+    }
+    // Whether a step at this drift moves a body by less than 64 such gaps: a look at velocities alone, which dampers
+    // may leave where nothing moves.
+    [[nodiscard]] static bool is_slow(const auto& drift_of_step, typename N::Scale scale, int log2, const auto&,
+                                      const auto&, const auto&) {
+        const Open way = drift(drift_of_step, scale, gap_bits - 6), most = enough(false, log2, 0).raw;
+        return way <= most && way >= -most;
+    }
 };
 
 template <class N>
@@ -424,6 +458,34 @@ requires(!N::fixed_point) struct JointNumbers<N> {
             size = larger_of(size, magnitude_of(other[i]));
         }
         return size * enough(is_guess, 0, 0);
+    }
+    // Where a body was.
+    struct Pose {
+        Unit at[7];
+    };
+    static void take_pose(Pose& pose, const auto& state) {
+        for (int i = 0; i < 3; ++i) pose.at[i] = state.x_w[i].value();
+        const auto& q = state.q_wb;
+        const Unit parts[] = {q.w.value(), q.x.value(), q.y.value(), q.z.value()};
+        for (int i = 0; i < 4; ++i) pose.at[3 + i] = parts[i];
+    }
+    // Whether it is there, but for so many gaps that count as closed.
+    [[nodiscard]] static bool is_at(const Pose& pose, const auto& state, int gaps, int, const auto& own,
+                                    const auto& link) {
+        Pose now;
+        take_pose(now, state);
+        const Unit most = Unit(gaps) * enough_of(false, state.x_w, own, link);
+        bool same = true;
+        // The change of a unit quaternion is half of the turn.
+        for (int i = 0; i < 7; ++i)
+            same = same && magnitude_of(Unit(now.at[i] - pose.at[i])) <= (i < 3 ? most : Unit(most * Unit(0.5)));
+        return same;
+    }
+    // Whether a step at this drift moves a body by less than 64 such gaps: a look at velocities alone, which dampers
+    // may leave where nothing moves.
+    [[nodiscard]] static bool is_slow(const auto& drift_of_step, typename N::Scale, int, const auto& place,
+                                      const auto& own, const auto& link) {
+        return magnitude_of(drift_of_step.value()) <= Unit(64) * enough_of(false, place, own, link);
     }
 };
 

@@ -1,0 +1,5 @@
+// The scenes with joints with the default integrator: see conformance.hpp.
+#define TUMBLE_SUITE "joint_scenes.hpp"
+#include "conformance.hpp"
+
+int main() { return replay_all<tumble::IntegratorList<tumble::integrators::Verlet>>(); }
