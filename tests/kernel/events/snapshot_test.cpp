@@ -380,7 +380,7 @@ TEST(SnapshotBytes, have_the_check_word_of_the_standard_and_the_lowest_byte_firs
     world.step();
     const auto bytes = save(world, SnapshotPart::bodies);
     ASSERT_EQ(bytes.size(), 8u * 4 + 4 + 13 * 8 + 4);
-    EXPECT_EQ(std::memcmp(bytes.data(), "tmbl\5\0\0\1", 8), 0);
+    EXPECT_EQ(std::memcmp(bytes.data(), "tmbl\6\0\0\1", 8), 0);
     EXPECT_EQ(bytes[8], TUMBLE_BITS);
     EXPECT_EQ(bytes[32], 1) << "steps";
     const std::uint8_t one[8] = {0, 0, 0, 0, 0, 0, 0xf0, 0x3f};

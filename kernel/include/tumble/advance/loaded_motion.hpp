@@ -163,7 +163,7 @@ private:
         Work length;  // of the flight, in steps
 
         template <class Stage>
-        void hold(Stage* state, bool ends) const {
+        void correct_velocities(Stage* state, bool ends) const {
             if (!this->depends_on_velocity()) return;
             for (int k = 0; k < group.count; ++k) {
                 const Kick<N>* const kick = joints.kick_of(group.id[k]);

@@ -2,9 +2,9 @@
 // half a kick. Order 2, reversible in time. RotationFlow is the rotation. Without loads only the drift and the rotation
 // run. Loads that depend on velocity (drag, damping) keep the symmetry: the first half kick is that of explicit Euler,
 // the second that of implicit Euler, its adjoint. It is solved in closed form where the evaluation can
-// (ends_in_closed_form(), at_end()), and else by fixed-point iteration. An evaluation may have its own velocities at
-// the start and at the end of a part (hold()). The kick that ends a step, once solved, is also the one that begins the
-// next (kept_kick()): it has the loads at the same place and velocity.
+// (ends_in_closed_form(), at_end()), and else by fixed-point iteration. An evaluation may correct the velocities at
+// the start and at the end of a part (correct_velocities()). The kick that ends a step, once solved, is also the one
+// that begins the next (kept_kick()): it has the loads at the same place and velocity.
 //
 // Composed<RotationFlow, Parts> consists of several such steps, whose lengths are parts of a step that cancel the
 // leading errors. The kick that ends a part begins the next one likewise.
@@ -122,6 +122,9 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
 
     template <class N, int capacity, class Group, class Evaluate>
     static bool advance(const Group& group, Evaluate&& evaluate, const StepInfo<N>& step) {
+        constexpr bool corrects_velocities = requires(typename Group::Stage * stages) {
+            evaluate.correct_velocities(stages, true);
+        };
         group.has_bodies();
         typename Group::Stage state[capacity];
         typename Group::Kick new_kick[capacity], *kick = new_kick;
@@ -132,10 +135,11 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
                 is_known = evaluate.is_known();
             }
         // Evaluates the loads at the present state, which ends a part or begins one.
-        const auto look = [&]([[maybe_unused]] bool ends) {
+        [[maybe_unused]] bool ends = false;
+        const auto look = [&] {
             group.has_bodies();
             for (int b = 0; b < group.count; ++b) group.take(b, state[b]);
-            if constexpr (requires { evaluate.hold(state, ends); }) evaluate.hold(state, ends);
+            if constexpr (corrects_velocities) evaluate.correct_velocities(state, ends);
             evaluate(state, kick);
         };
         const auto kick_bodies = [&](auto&& share) {
@@ -152,7 +156,8 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
         bool converged = true;
         for (int part = 0; part < Parts::count; ++part) {
             const auto half = [&](auto sum) { return half_of_part<N>(sum, part); };
-            if (!is_known) look(false);
+            ends = false;
+            if (!is_known) look();
             kick_bodies(half);
             for (int b = 0; b < group.count; ++b) {
                 auto& body = *group.body[b];
@@ -169,14 +174,15 @@ struct KickDriftKick : Stability<tumble::detail::KickDriftKickOnOscillator<Parts
             if constexpr (Parts::count == 1 && requires { evaluate.ends_in_closed_form(); }) {
                 if (velocity_matters && evaluate.ends_in_closed_form()) {
                     for (int b = 0; b < group.count; ++b) group.take(b, state[b]);
-                    if constexpr (requires { evaluate.hold(state, true); }) evaluate.hold(state, true);
+                    if constexpr (corrects_velocities) evaluate.correct_velocities(state, true);
                     evaluate.at_end(state, kick);
                     kick_bodies(half);
                     is_known = true;
                     continue;
                 }
             }
-            look(true);
+            ends = true;
+            look();
             is_known =
                 !velocity_matters || tumble::detail::solve_end_kick<N, capacity>(group, state, kick, evaluate, half);
             kick_bodies(half);
