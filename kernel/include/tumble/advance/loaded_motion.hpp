@@ -155,7 +155,8 @@ private:
     }
     // The loads of jointed bodies. A flight begins and ends with half a kick by the joints, which the bodies have at
     // once and which is not their velocity: loads see that of before the first and, as far as it is known, that of
-    // after the second. Else a damper would push against what the joint does, and the joint against that.
+    // after the second. Else a damper would push against what the joint does, and the joint against that. The second is
+    // a guess, so such a flight is not symmetric: compositions of order four need those that see the half kicks.
     template <class Evaluate>
     struct AcrossJoints : Evaluate {
         const typename Base::Joints& joints;
@@ -181,7 +182,7 @@ private:
     template <class Evaluate>
     [[nodiscard]] TUMBLE_INLINE auto with_joints(const Evaluate& evaluate, [[maybe_unused]] const BodyGroup& group,
                                                  [[maybe_unused]] Work length) const {
-        if constexpr (Base::has_joints) return AcrossJoints<Evaluate>{evaluate, this->joints, group, length};
+        if constexpr (Base::has_joints && Integrator::order <= 2) return AcrossJoints<Evaluate>{evaluate, this->joints, group, length};
         else return evaluate;
     }
     // Whether the method steps bodies whose rotation the loads neither change nor ask for as it steps point masses.
