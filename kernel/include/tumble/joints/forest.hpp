@@ -201,9 +201,8 @@ public:
         bool slow = may_rest;
         for (int i = tree.first; i < tree.last && slow; ++i) {
             const Node& node = node_[i];
-            const auto& state = bodies.state[node.body];
             for (int k = 0; k < 3 && slow; ++k)
-                slow = J::is_slow(state.d_w[k], bodies.scale, node.length_log2, state.x_w, node.lever, node.link);
+                slow = J::is_slow(bodies.state[node.body].d_w[k], bodies.scale, node.length_log2);
         }
         if (!slow) [[likely]] {
             tree.still_steps = 0;
