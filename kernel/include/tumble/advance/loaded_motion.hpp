@@ -182,7 +182,8 @@ private:
     template <class Evaluate>
     [[nodiscard]] TUMBLE_INLINE auto with_joints(const Evaluate& evaluate, [[maybe_unused]] const BodyGroup& group,
                                                  [[maybe_unused]] Work length) const {
-        if constexpr (Base::has_joints && Integrator::order <= 2) return AcrossJoints<Evaluate>{evaluate, this->joints, group, length};
+        if constexpr (Base::has_joints && Integrator::order <= 2)
+            return AcrossJoints<Evaluate>{evaluate, this->joints, group, length};
         else return evaluate;
     }
     // Whether the method steps bodies whose rotation the loads neither change nor ask for as it steps point masses.
