@@ -107,6 +107,19 @@ void expect_near(const Rotation& got, const Rotation& expected, Number most = to
     EXPECT_LE(static_cast<double>(angle_between(got, expected)), static_cast<double>(most));
 }
 
+// J, of boxes.
+Number kinetic_energy_of(const SceneDescription& scene, const std::vector<Motion>& now) {
+    Number sum = 0;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+        const auto& [x, y, z] = scene.bodies[i].shape.size;
+        const Number mass = *scene.bodies[i].mass;
+        const Vector &v = now[i].v, &w = now[i].w;
+        sum += mass * dot(v, v) / 2 +
+               mass / 24 * ((y * y + z * z) * w.x * w.x + (x * x + z * z) * w.y * w.y + (x * x + y * y) * w.z * w.z);
+    }
+    return sum;
+}
+
 Number moment_about(const Triple& box, Number mass) { return mass * (box[0] * box[0] + box[1] * box[1]) / 12; }
 
 // A rod of `length` that hangs from the origin by one end, turned by `angle` about z.
@@ -658,15 +671,7 @@ TEST(JointReference, springs_of_joints_keep_momentum_and_lose_no_energy) {
     joints[1].spring = {4, 0, 0};
     joints[2].spring = {30, 0, 0.125};
     const auto energy = [&](const std::vector<Motion>& now) {
-        Number sum = 0;
-        for (std::size_t i = 0; i < now.size(); ++i) {
-            const auto& [x, y, z] = built.scene.bodies[i].shape.size;
-            const Number mass = *built.scene.bodies[i].mass;
-            const Vector &v = now[i].v, &w = now[i].w;
-            sum +=
-                mass * dot(v, v) / 2 +
-                mass / 24 * ((y * y + z * z) * w.x * w.x + (x * x + z * z) * w.y * w.y + (x * x + y * y) * w.z * w.z);
-        }
+        const Number sum = kinetic_energy_of(built.scene, now);
         const auto between = [&](int one, int other) {
             return now[static_cast<std::size_t>(other)].q.conjugate() * now[static_cast<std::size_t>(one)].q;
         };
@@ -766,15 +771,8 @@ TEST(JointReference, rods_keep_their_lengths_and_the_energy) {
         return of.x + of.q.rotate(rotation_of(start.orientation).rotate_back(point - vector_of(start.position)));
     };
     const auto energy = [&](const std::vector<Motion>& now) {
-        Number sum = 0;
-        for (std::size_t i = 0; i < now.size(); ++i) {
-            const auto& [x, y, z] = built.scene.bodies[i].shape.size;
-            const Number mass = *built.scene.bodies[i].mass;
-            const Vector &v = now[i].v, &w = now[i].w;
-            sum +=
-                mass * (dot(v, v) / 2 + 9.81 * now[i].x.y) +
-                mass / 24 * ((y * y + z * z) * w.x * w.x + (x * x + z * z) * w.y * w.y + (x * x + y * y) * w.z * w.z);
-        }
+        Number sum = kinetic_energy_of(built.scene, now);
+        for (std::size_t i = 0; i < now.size(); ++i) sum += *built.scene.bodies[i].mass * 9.81 * now[i].x.y;
         return sum;
     };
     // What the rods do not allow ends at the start.
