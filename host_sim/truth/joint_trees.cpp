@@ -379,7 +379,8 @@ std::array<Number, 3> JointTrees::coordinates_of(const Node& node, const Place& 
         const Rotation q = at.turned.w < 0 ? at.turned * Number(-1) : at.turned;
         const Number half_sine = norm(q.v);
         const Vector turn = q.v * (half_sine > 0 ? 2 * std::atan2(half_sine, q.w) / half_sine : 2);
-        return {turn.x, turn.y, turn.z};
+        return {reference::dot(turn, node.free[0].axis), reference::dot(turn, node.free[1].axis),
+                reference::dot(turn, node.free[2].axis)};
     }
     // It turns about the axis that the parent keeps, and then about the one that turns with the body.
     const std::size_t kept = node.free[0].is_kept_by_own ? 1 : 0;

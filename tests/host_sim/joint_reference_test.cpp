@@ -618,7 +618,8 @@ Number swung(Number inertia, const JointSpringDescription& spring, Number speed,
            std::exp(-decay * t) * ((speed - decay * rest) / rate * std::sin(rate * t) - rest * std::cos(rate * t));
 }
 
-// A cube on its centre, so that it turns about one axis alone. Reversed, the joint's `body` is the one that stays.
+// A cube on its centre, so that it turns about one axis alone, on a base that lies askew. Reversed, the joint's `body`
+// is the one that stays.
 TEST(JointReference, spring_and_damper_of_a_joint_swing_in_closed_form) {
     constexpr double mass = 2.5, edge = 1.25, speed = 0.75, time = 1.75;
     const struct {
@@ -640,7 +641,7 @@ TEST(JointReference, spring_and_damper_of_a_joint_swing_in_closed_form) {
                 const bool slides = c.kind == JointKind::slider;
                 const Number sign = is_reversed ? -1 : 1;
                 Built built;
-                const int base = built.add({1, 1, 1}, 1, {});
+                const int base = built.add({1, 1, 1}, 1, {}, exponential(Vector{0.5L, -0.75L, 1.25L}));
                 built.scene.bodies.back().fixed = true;
                 const int body =
                     built.add({edge, edge, edge}, mass, at, frame.turn, slides ? about * (sign * speed) : Vector{},
