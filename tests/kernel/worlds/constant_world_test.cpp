@@ -274,7 +274,7 @@ TYPED_TEST(ConstantWorldIn, joints_that_the_compiler_set_up_have_the_bits_of_som
     auto world = set_up_joints<TypeParam>();
     auto& constant = constant_joints<TypeParam>;
     ASSERT_EQ(world.joint_count(), 6);
-    std::uint8_t bytes[2048], constant_bytes[2048];
+    std::uint8_t bytes[4096], constant_bytes[4096];
     for (int i = 0; i < 500; ++i) {
         ASSERT_EQ(world.step().bits, constant.step().bits);
         ASSERT_EQ(world.hash(), constant.hash());
