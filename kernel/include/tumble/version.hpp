@@ -11,7 +11,7 @@
 
 // Rises by one when a recorded state hash changes. Programs with equal TUMBLE_BITS give equal bits for every scene that
 // both can run.
-#define TUMBLE_BITS 19
+#define TUMBLE_BITS 20
 
 #define TUMBLE_VERSION_TEXT(major, minor, patch) #major "." #minor "." #patch
 #define TUMBLE_VERSION_OF(major, minor, patch) TUMBLE_VERSION_TEXT(major, minor, patch)

@@ -338,12 +338,6 @@ requires(N::fixed_point) struct JointNumbers<N> {
         }
         return same;
     }
-    // Whether a step at this drift moves a body by less than 64 such gaps: a look at velocities alone, which dampers
-    // may leave where nothing moves.
-    [[nodiscard]] TUMBLE_INLINE static bool is_slow(const auto& drift_of_step, typename N::Scale scale, int log2) {
-        const Open way = drift(drift_of_step, scale, gap_bits - 6), most = enough(false, log2, 0).raw;
-        return way <= most && way >= -most;
-    }
 };
 
 template <class N>
@@ -479,11 +473,6 @@ requires(!N::fixed_point) struct JointNumbers<N> {
         for (int i = 0; i < 7; ++i)
             same = same && magnitude_of(Unit(now.at[i] - pose.at[i])) <= (i < 3 ? most : Unit(most * Unit(0.5)));
         return same;
-    }
-    // Whether a step at this drift moves a body by less than 64 such gaps near the origin: a look at velocities
-    // alone, which dampers may leave where nothing moves.
-    [[nodiscard]] TUMBLE_INLINE static bool is_slow(const auto& drift_of_step, typename N::Scale, int) {
-        return magnitude_of(drift_of_step.value()) <= Unit(64) * enough(false, 0, 0);
     }
 };
 
