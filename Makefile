@@ -156,12 +156,14 @@ deep-tests:
 tables-are-true:
 	build/host/bench/tumble_tables --check bench/results $(PAGES)
 
-## explore: random scenes of a new seed, or SEED=, each against double precision; scenes that end wrong are written to build/explore; SCENES=40000
+## explore: random scenes and mechanisms of a new seed, or SEED=, each against double precision; those that end wrong are written to build/explore; SCENES=40000
 SEED ?=
 SCENES ?= 40000
 explore: build/host/build.ninja
 	@cmake --build build/host --target tumble_property
-	build/host/tests/property/tumble_property $(if $(SEED),--seed $(SEED)) --scenes $(SCENES) --write build/explore
+	@failed=0; explore() { build/host/tests/property/tumble_property $(if $(SEED),--seed $(SEED)) "$$@" || failed=1; }; \
+	explore --scenes $(SCENES) --write build/explore; \
+	explore --joints --scenes $$(($(SCENES) / 10)) --write build/explore/joints; exit $$failed
 
 ## mutants: wrong kernels, one line each, that the kernel's tests must find without committed bits (half an hour; goes on where it was stopped); PATTERN=part of a name
 PATTERN ?=
