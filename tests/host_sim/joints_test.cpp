@@ -318,7 +318,7 @@ TEST(Joints, a_rope_goes_slack_and_taut_where_its_weight_leaves_the_circle_and_m
     const Json& rope = joint_named(slack, "rope");
     EXPECT_NEAR(rope.at("travel_m").get<double>(), std::hypot(x, y), 0.01);
     EXPECT_EQ(rope.at("gap_m"), 0);
-    for (int i = 0; i < 3; ++i) EXPECT_EQ(rope.at("force_n")[i], 0);
+    for (const auto& force : rope.at("force_n")) EXPECT_EQ(force, 0);
     EXPECT_NEAR(slack.at("energy_end_j").get<double>(), 44.145, 0.1);
     const Json end = rope_at("5.0");
     EXPECT_EQ(end.at("status"), Json::array());
