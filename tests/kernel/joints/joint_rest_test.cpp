@@ -200,6 +200,33 @@ TYPED_TEST(JointRest, small_swings_and_small_forces_are_no_rest) {
     EXPECT_NEAR(joint_cases::place(drift, boat).x, 4 * slow, 0.02 * 4 * slow);
 }
 
+// A Pose has no upper bits, and a step may end where it began.
+TYPED_TEST(JointRest, fast_motions_are_no_rest) {
+    using World = typename TestFixture::World;
+    const struct {
+        Seconds step;
+        double speed, gravity;  // m/s, m/s^2 along the slider
+    } slides[] = {{{1, 64}, 16, 0},   {{1, 16}, 4, 0},   {{1, 16}, -8, 0},           {{1, 100}, 25, 0},
+                  {{1, 4}, 3.75, 10}, {{1, 2}, 7.5, 10}, {{1, 2}, 0.046875, 0.0625}, {{1, 3}, 2, 4}};
+    for (const auto& slide : slides) {
+        SCOPED_TRACE(slide.speed);
+        World world{slide.step, {.gravity = {-slide.gravity, 0, 0}}};
+        const BodyId sled = world.add(at(box(1, {0.5, 0.5, 0.5}), {}, {slide.speed, 0, 0}));
+        (void)world.add(SliderSpec{.body = sled, .axis = {1, 0, 0}});
+        const int steps = slide.gravity == 0 ? 64 : 6;
+        this->run(world, steps);
+        const double time = steps * static_cast<double>(slide.step.value),
+                     x = slide.speed * time - slide.gravity / 2 * time * time;
+        EXPECT_NEAR(joint_cases::place(world, sled).x, x, 1e-3 * (1 + std::abs(x)));
+    }
+    // A wheel that turns by almost half a turn in a step.
+    auto spinning = this->floating({1, 8});
+    const BodyId wheel = spinning.add(at(box(1, {0.5, 0.5, 0.25}), {}, {}, {0, 0, 25}));
+    (void)spinning.add(HingeSpec{.body = wheel, .axis = {0, 0, 1}});
+    this->run(spinning, 64);
+    EXPECT_NEAR(static_cast<double>(spinning.angular_velocity(wheel).z), 25, 0.01);
+}
+
 TYPED_TEST(JointRest, a_snapshot_of_a_tree_that_comes_to_rest_goes_on_with_the_same_bits) {
     const auto make = [&] {
         auto world = this->falling();

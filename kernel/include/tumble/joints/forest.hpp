@@ -470,7 +470,9 @@ private:
             // Its gap and those from there to the root may have opened and closed.
             const int gaps = 2 * (i + 1 - tree.first);
             if (begins) J::take_pose(pose_[i], state);
-            else still = J::is_at(pose_[i], state, gaps, node.length_log2, node.lever, node.link);
+            else
+                still = J::is_told(state.d_w, bodies.scale) &&
+                        J::is_at(pose_[i], state, gaps, node.length_log2, node.lever, node.link);
         }
         tree.still_steps = static_cast<std::int16_t>(still ? tree.still_steps + 1 : 0);
     }
@@ -657,7 +659,7 @@ private:
         for (int t = 0; t < kept_trees; ++t) kept_tree[t] = tree_[t];
         node_count_ = tree_count_ = direction_count_ = 0;
         const std::uint64_t steps = detail::nearest_step(Real::scaled(1, -1), bodies.step_length);
-        steps_to_rest_ = static_cast<std::int16_t>(steps < 2 ? 2 : steps < INT16_MAX ? steps : INT16_MAX);
+        steps_to_rest_ = static_cast<std::int16_t>(steps < 4 ? 4 : steps < INT16_MAX ? steps : INT16_MAX);
         for (int b = 0; b < features.bodies; ++b) is_jointed_[b] = false;
         for (int b = 0; b < bodies.count; ++b)
             if (const int j = is_base(bodies, b) ? none : base_joint(bodies, b); j != none) grow(bodies, b, j);
@@ -893,7 +895,8 @@ private:
     JointTreeState tree_[most_trees]{};
     bool is_jointed_[features.bodies > 0 ? features.bodies : 1]{};
     std::int16_t node_count_ = 0, tree_count_ = 0, direction_count_ = 0;
-    std::int16_t steps_to_rest_ = 1;  // half a second
+    // Half a second, and four at least: a thrown body is in a place at the ends of two steps, but not of three.
+    std::int16_t steps_to_rest_ = 4;
 };
 
 }  // namespace tumble

@@ -311,16 +311,23 @@ requires(N::fixed_point) struct JointNumbers<N> {
         if (!N::carry && of_places > up) up = of_places;
         return {std::int32_t{3} << (up > 28 ? 28 : up)};
     }
-    // Where a body was: sums without their upper bits, of which small differences need none.
+    // Where a body was: places in 2^-gap_bits m modulo 1/4 m or more, and quaternions in 2^-turn_bits, modulo 2.
+    static constexpr int turn_bits = 31;
     struct Pose {
         std::int32_t at[7];
     };
+    // Whether a step at this drift moves a body by less than 1/8 m, so that a Pose tells both places apart.
+    [[nodiscard]] static bool is_told(const auto& drift_of_step, typename N::Scale scale) {
+        for (int i = 0; i < 3; ++i)
+            if (const Open eighths = drift(drift_of_step[i], scale, 3); eighths != 0 && eighths != -1) return false;
+        return true;
+    }
     static void take_pose(Pose& pose, const auto& state) {
         for (int i = 0; i < 3; ++i)
             pose.at[i] = static_cast<std::int32_t>(state.x_w[i].sum().raw >> (sum_bits - gap_bits));
         const auto& q = state.q_wb;
         const std::int64_t parts[] = {q.w.sum().raw, q.x.sum().raw, q.y.sum().raw, q.z.sum().raw};
-        constexpr int down = decltype(q.w.sum())::fraction_bits - gap_bits;
+        constexpr int down = decltype(q.w.sum())::fraction_bits - turn_bits;
         for (int i = 0; i < 4; ++i) pose.at[3 + i] = static_cast<std::int32_t>(parts[i] >> down);
     }
     // Whether it is there, but for so many gaps that count as closed. Its arms are over 2^log2 m.
@@ -328,7 +335,8 @@ requires(N::fixed_point) struct JointNumbers<N> {
         Pose now;
         take_pose(now, state);
         // The change of a unit quaternion is half of the turn.
-        const std::int64_t most = std::int64_t{gaps} * enough(false, log2, 0).raw, most_turn = lowered(most, log2 + 1);
+        const std::int64_t most = std::int64_t{gaps} * enough(false, log2, 0).raw,
+                           most_turn = lowered(most, log2 + 1 + gap_bits - turn_bits);
         bool same = true;
         for (int i = 0; i < 7; ++i) {
             const auto way = static_cast<std::int32_t>(static_cast<std::uint32_t>(now.at[i]) -
@@ -456,6 +464,7 @@ requires(!N::fixed_point) struct JointNumbers<N> {
     struct Pose {
         Unit at[7];
     };
+    [[nodiscard]] static bool is_told(const auto&, typename N::Scale) { return true; }
     static void take_pose(Pose& pose, const auto& state) {
         for (int i = 0; i < 3; ++i) pose.at[i] = state.x_w[i].value();
         const auto& q = state.q_wb;
